@@ -6,12 +6,12 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.assessment.design.compiled import Guidance, guidance_of
+from app.assessment.design.dose import Dose, dose_of
 from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.models import Patient
 from app.recordings.models import MotionSession
 from estimators.conventions import Side
-from estimators.guidance import StopRule
 from estimators.pipelines import SessionSetup
 
 
@@ -22,14 +22,12 @@ class PrescribedGuidance:
     Attributes
     ----------
     guidance : Guidance
-        Its stop rules end the exercise at the prescribed number of valid repetitions, unless the therapist has
-        another rule for that.
-    goal : int
-        Valid repetitions that are prescribed.
+        Its stop rules are those that look at the movement and the time; numbers of repetitions are in `dose`.
+    dose : Dose
     """
 
     guidance: Guidance
-    goal: int
+    dose: Dose
 
 
 def prescribed_guidance(session: Session, session_id: str) -> PrescribedGuidance | None:
@@ -56,10 +54,10 @@ def prescribed_guidance(session: Session, session_id: str) -> PrescribedGuidance
         scale=prescription.tolerance_scale,
         more_stops=[StopDesign.model_validate(one) for one in prescription.stops],
     )
-    goal = prescription.repetitions * prescription.sets
-    if not any(rule.kind in ("valid_count", "attempt_count") for rule in guidance.stops):
-        guidance = replace(guidance, stops=(*guidance.stops, StopRule("valid_count", limit=float(goal))))
-    return PrescribedGuidance(guidance, goal)
+    dose = dose_of(prescription.repetitions, prescription.sets, guidance.stops)
+    # Whoever counts for the page stops at these numbers too, so that both are always the same.
+    others = tuple(rule for rule in guidance.stops if rule.kind not in ("valid_count", "attempt_count"))
+    return PrescribedGuidance(replace(guidance, stops=others), dose)
 
 
 def prescribed_version(session: Session, found: MotionSession) -> str | None:

@@ -17,6 +17,7 @@ from app.live.guidance.following import Following
 from app.live.guidance.messages import (
     GuidanceCause,
     GuidanceCommand,
+    GuidanceCounts,
     GuidanceMessage,
     GuidanceStatus,
 )
@@ -73,10 +74,9 @@ class GuidanceDesk:
     ) -> None:
         self._add_event, self._publish = add_event, publish
         self._counts = taken_up.counts.model_copy()
-        self._goal = None if prescribed is None else prescribed.goal
-        self._following = (
-            None if prescribed is None else Following(prescribed.guidance, tick_s, taken_up.counts)
-        )
+        self._in_set, self._is_done = taken_up.in_set.model_copy(), taken_up.is_done
+        self._dose = None if prescribed is None else prescribed.dose
+        self._following = None if prescribed is None else Following(prescribed.guidance, tick_s)
         self._cause: GuidanceCause = taken_up.cause
         self._is_stopped = taken_up.is_stopped
         if self._cause and self._following is not None:
@@ -142,8 +142,8 @@ class GuidanceDesk:
         if one.kind == "ignored":
             return
         self._last = one
-        number = getattr(self._counts, one.kind) + 1
-        self._counts = self._counts.model_copy(update={one.kind: number})
+        self._counts, number = _one_more(self._counts, one.kind)
+        self._in_set, _ = _one_more(self._in_set, one.kind)
         details = {
             "kind": one.kind,
             "start_s": start_s,
@@ -151,6 +151,23 @@ class GuidanceDesk:
             "wrong_share": one.wrong_share,
         }
         self._add_event("repetition", end_s, text=counted(one.kind, number), details=details)
+        self._end_set(end_s)
+
+    def _end_set(self, time_s: float) -> None:
+        """Hold the exercise where the finished repetition was the last one of a set, or of all."""
+        if self._dose is None or self._following is None or self._cause:
+            return
+        in_set = self._in_set
+        attempts = in_set.valid + in_set.partial + in_set.wrong
+        reached = self._dose.reached(self._counts.valid, in_set.valid, attempts, is_done=self._is_done)
+        if not reached:
+            return
+        self._in_set = GuidanceCounts()
+        self._is_done = self._is_done or reached == "valid_count"
+        self._following.hold()
+        self._cause, self._is_stopped, self._cue = reached, reached != "set", None
+        kind = "guidance_pause" if reached == "set" else "guidance_stop"
+        self._add_event(kind, time_s, text=HELD[reached], details={"cause": reached})
 
     def _say(self, cue: Cue, time_s: float, *, is_live: bool) -> None:
         words = said(cue.sentence)
@@ -243,7 +260,7 @@ class GuidanceDesk:
             sigma=sigma,
             ghost_phase=self._ghost_phase,
             counts=self._counts,
-            goal=self._goal,
+            goal=None if self._dose is None else self._dose.goal,
             last=kind,
             cue="" if self._cue is None else said(self._cue.sentence),
             cue_number=self._cue_number,
@@ -263,6 +280,11 @@ class GuidanceDesk:
 
 def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _one_more(counts: GuidanceCounts, kind: str) -> tuple[GuidanceCounts, int]:
+    number = getattr(counts, kind) + 1
+    return counts.model_copy(update={kind: number}), number
 
 
 __all__ = ["GuidanceDesk"]

@@ -6,10 +6,9 @@ from typing import Final
 import numpy as np
 
 from app.assessment.design.compiled import Guidance
-from app.live.guidance.messages import GuidanceCounts
 from app.live.guidance.settling import Settling
 from estimators.comparison import trajectory
-from estimators.guidance import GuidanceChunk, Guide, StopRule, signals
+from estimators.guidance import GuidanceChunk, Guide, signals
 from estimators.pipelines import Frames
 from estimators.recording import Float
 
@@ -25,19 +24,18 @@ class Following:
     Parameters
     ----------
     guidance : Guidance
+        Its stop rules count no repetitions.
     tick_s : float
-    counted : GuidanceCounts
-        Before a restart: a number that stops is reached by so many fewer.
     """
 
-    def __init__(self, guidance: Guidance, tick_s: float, counted: GuidanceCounts) -> None:
+    def __init__(self, guidance: Guidance, tick_s: float) -> None:
         self._ready, self._tick_s = guidance.ready, tick_s
         self._guide = Guide(
             guidance.ready,
             tick_s,
             valid_share=guidance.valid_share,
             rules=guidance.rules,
-            stops=_left(guidance.stops, counted),
+            stops=guidance.stops,
             pace=guidance.pace,
         )
         self._settling = Settling(guidance.ready, tick_s)
@@ -100,16 +98,6 @@ class Following:
         self._tracked_s = 0.0
         self.leave()
         self._guide.resume()
-
-
-def _left(stops: tuple[StopRule, ...], counted: GuidanceCounts) -> tuple[StopRule, ...]:
-    """Return stop rules for what is left to do; a number that was reached does not stop again."""
-    done = {
-        "valid_count": counted.valid,
-        "attempt_count": counted.valid + counted.partial + counted.wrong,
-    }
-    left = (replace(rule, limit=rule.limit - done.get(rule.kind, 0)) for rule in stops)
-    return tuple(rule for rule in left if rule.kind not in done or rule.limit > 0.0)
 
 
 __all__ = ["Following"]

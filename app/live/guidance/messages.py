@@ -11,6 +11,7 @@ GuidanceCause = Literal[
     "pain",
     "limit",
     "valid_count",
+    "set",
     "attempt_count",
     "time",
     "lost",
@@ -43,7 +44,8 @@ class GuidanceMessage(Spoken):
     """`off`: there is no template to follow; the buttons work all the same. `waiting`: for a second of rest in the
     start posture. `ready`: at rest, the next repetition may begin. `failed`: the session goes on without guidance."""
     cause: GuidanceCause = ""
-    """Why it is paused or stopped: a person, pain, or the kind of the stop rule."""
+    """Why it is paused or stopped: a person, pain, the prescribed number (`valid_count`), a set of it, or the kind of
+    the stop rule."""
     time_s: float
     """Session time that is spoken of."""
     phase: float | None = None
@@ -54,7 +56,7 @@ class GuidanceMessage(Spoken):
     """Where the example stands: with the patient, waiting for it; null lets it show the whole movement."""
     counts: GuidanceCounts
     goal: int | None = None
-    """Valid repetitions that are prescribed."""
+    """Valid repetitions that are prescribed, of all sets."""
     last: Literal["valid", "partial", "wrong"] | None = None
     """Of the repetition that was finished last."""
     cue: str = ""

@@ -1,7 +1,9 @@
 """What of a guided session is known from its stored time line, so that a restart of the service loses no repetition."""
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Final
 
 from sqlalchemy import Engine, select
 
@@ -10,6 +12,8 @@ from app.database.unit_of_work import read_only
 from app.live.guidance.messages import GuidanceCause, GuidanceCounts
 from app.recordings.models import SessionEvent
 
+ENDS_A_SET: Final = ("valid_count", "set", "attempt_count")
+"""Causes after which a set begins anew."""
 _HELD = ("pain", "guidance_stop", "guidance_pause", "guidance_resume")
 
 
@@ -20,6 +24,10 @@ class TakenUp:
     Attributes
     ----------
     counts : GuidanceCounts
+    in_set : GuidanceCounts
+        Of `counts`, those since the last set ended.
+    is_done : bool
+        The prescribed number was reached.
     cause : str
         Why it was paused or stopped; empty while it went on.
     is_stopped : bool
@@ -28,6 +36,8 @@ class TakenUp:
     """
 
     counts: GuidanceCounts = field(default_factory=GuidanceCounts)
+    in_set: GuidanceCounts = field(default_factory=GuidanceCounts)
+    is_done: bool = False
     cause: GuidanceCause = ""
     is_stopped: bool = False
     time_s: float = 0.0
@@ -53,15 +63,26 @@ def taken_up(engine: Engine, session_id: str) -> TakenUp:
             .where(SessionEvent.session_id == session_id, SessionEvent.kind.in_(("repetition", *_HELD)))
             .order_by(SessionEvent.created_at, SessionEvent.id)
         ).all()
-    counted = Counter(one.details.get("kind") for one in events if one.kind == "repetition")
+    ends = [place for place, one in enumerate(events) if one.details.get("cause") in ENDS_A_SET]
     held = next((one for one in reversed(events) if one.kind in _HELD), None)
     is_held = held is not None and held.kind != "guidance_resume"
     return TakenUp(
-        counts=GuidanceCounts(**{kind: counted[kind] for kind in ("valid", "partial", "wrong")}),
+        counts=_counted(one.details.get("kind") for one in events if one.kind == "repetition"),
+        in_set=_counted(
+            one.details.get("kind")
+            for one in events[ends[-1] + 1 if ends else 0 :]
+            if one.kind == "repetition"
+        ),
+        is_done=any(one.details.get("cause") == "valid_count" for one in events),
         cause=held.details.get("cause", "person") if held is not None and is_held else "",
         is_stopped=is_held and held is not None and held.kind != "guidance_pause",
         time_s=max((one.time_s for one in events), default=0.0),
     )
 
 
-__all__ = ["TakenUp", "read_guidance", "taken_up"]
+def _counted(kinds: Iterable[str]) -> GuidanceCounts:
+    counted = Counter(kinds)
+    return GuidanceCounts(**{kind: counted[kind] for kind in ("valid", "partial", "wrong")})
+
+
+__all__ = ["ENDS_A_SET", "TakenUp", "read_guidance", "taken_up"]

@@ -9,6 +9,7 @@ HELD: Final[dict[GuidanceCause, Sentence]] = {
     "pain": say("guided.pain"),
     "limit": say("guided.limit"),
     "valid_count": say("guided.valid_count"),
+    "set": say("guided.set"),
     "attempt_count": say("guided.attempt_count"),
     "time": say("guided.time"),
     "lost": say("guided.lost"),

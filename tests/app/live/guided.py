@@ -75,6 +75,7 @@ def prescribe(
     world: Any,
     *,
     repetitions: int = 10,
+    sets: int = 1,
     stops: tuple[dict[str, Any], ...] = (),
     exercise: ExerciseName = EXERCISE,
 ) -> str:
@@ -106,6 +107,7 @@ def prescribe(
             exercise_id=world.exercise_id,
             template_id=template.id,
             repetitions=repetitions,
+            sets=sets,
             stops=list(stops),
             prescribed_by=therapist,
             starts_at=utc_now(),

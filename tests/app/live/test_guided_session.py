@@ -225,6 +225,32 @@ def test_the_prescribed_number_ends_it(enter: Enter, engine: Engine, world: Any)
     assert room.desk.message.goal == 2
 
 
+def test_a_set_is_a_rest_and_only_the_prescribed_number_the_end(
+    enter: Enter, engine: Engine, world: Any
+) -> None:
+    async def first_set(room: Room) -> None:
+        await room.to_the_start()
+        await room.until(room.done.repetitions_s[1][1] + 0.6)
+        assert (room.desk.message.status, room.desk.message.cause) == ("paused", "set")
+        assert room.desk.obey("resume").cause == ""
+
+    prescription_id = prescribe(engine, world, repetitions=4, stops=({"kind": "valid_count", "limit": 2},))
+    first = enter((SOUND,) * 5, first_set, prescription_id)
+    assert (first.desk.message.counts.valid, first.desk.message.goal) == (2, 4)
+
+    async def second_set(room: Room) -> None:
+        await room.to_the_end()
+        assert (room.desk.message.status, room.desk.message.cause) == ("stopped", "valid_count")
+
+    # A restart of the service begins no set anew.
+    second = enter((SOUND,) * 5, second_set, session_id=first.live.id)
+    assert second.desk.message.counts.valid == 4
+    causes = [
+        one.details["cause"] for one in stored(engine, first.live.id, "guidance_pause", "guidance_stop")
+    ]
+    assert causes == ["set", "valid_count"]
+
+
 def test_a_limit_stops_within_a_packet(enter: Enter, engine: Engine, world: Any) -> None:
     channel = "thorax_humerus_right_yxy_elevation"
     limit = {"kind": "limit", "limit": 1.0, "channel": channel, "side": "above", "hold_s": 0.05}

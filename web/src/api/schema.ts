@@ -3470,7 +3470,7 @@ export interface components {
              * @default
              * @enum {string}
              */
-            cause?: "" | "person" | "pain" | "limit" | "valid_count" | "attempt_count" | "time" | "lost" | "unsure" | "wrong_in_a_row";
+            cause?: "" | "person" | "pain" | "limit" | "valid_count" | "set" | "attempt_count" | "time" | "lost" | "unsure" | "wrong_in_a_row";
             counts: components["schemas"]["GuidanceCounts"];
             /**
              * Cue

@@ -109,6 +109,17 @@ describe('an exercise while it is done', () => {
     await waitFor(() => expect(screen.getByTestId('line').textContent).toContain('rest for a moment'));
   });
 
+  it('offers a rest after a set, and says how much is left of what is prescribed', async () => {
+    show(<Exercise guidance={said({ status: 'paused', cause: 'set', goal: 3 })} />, FINE);
+    expect(screen.getByRole('heading', { name: 'Well done. Rest a moment' })).toBeTruthy();
+    expect(screen.getByText('1 more for today. Go on when you are ready.')).toBeTruthy();
+    expect(screen.queryByText('All done!')).toBeNull();
+    const choices = screen.getAllByRole('button').map((one) => one.textContent);
+    expect(choices.indexOf('Go on')).toBeLessThan(choices.indexOf('Finish for today'));
+    await userEvent.click(screen.getByRole('button', { name: 'Go on' }));
+    await waitFor(() => expect(asked.at(-1)).toEqual(['POST /api/sessions/s/guidance', { command: 'resume' }]));
+  });
+
   it('asks before it ends', async () => {
     show(<Exercise guidance={said()} />, FINE);
     await userEvent.click(screen.getByRole('button', { name: 'Stop' }));
@@ -123,6 +134,7 @@ describe('an exercise while it is done', () => {
       'pain',
       'limit',
       'valid_count',
+      'set',
       'attempt_count',
       'time',
       'lost',
@@ -130,7 +142,18 @@ describe('an exercise while it is done', () => {
       'wrong_in_a_row',
     ];
     const held = causes.map((cause) => heldBy(said({ status: 'paused', cause: cause as GuidanceMessage['cause'] })));
-    expect(held).toEqual(['person', 'pain', 'limit', 'done', 'enough', 'time', 'lost', 'lost', 'wrong_in_a_row']);
+    expect(held).toEqual([
+      'person',
+      'pain',
+      'limit',
+      'done',
+      'set',
+      'enough',
+      'time',
+      'lost',
+      'lost',
+      'wrong_in_a_row',
+    ]);
     expect(heldBy(said())).toBeNull();
   });
 

@@ -32,6 +32,11 @@ export const doing = {
     'Your therapist does not want you to move further than this. Rest, then make smaller movements.',
   'doing.held.done': 'All done!',
   'doing.held.done.text': 'You have done everything for this exercise.',
+  'doing.held.set': 'Well done. Rest a moment',
+  'doing.held.set.text': {
+    one: '{count} more for today. Go on when you are ready.',
+    other: '{count} more for today. Go on when you are ready.',
+  },
   'doing.held.enough': 'Enough for now',
   'doing.held.enough.text': 'You have tried often enough. Rest.',
   'doing.held.time': 'Time is up',

@@ -40,7 +40,19 @@ export function Count({ guidance }: { guidance: GuidanceMessage }) {
   );
 }
 
-function HeldCard({ hold, onFinish, isEnding }: { hold: Hold; onFinish: () => void; isEnding: boolean }) {
+/** What is still to be done today; 0 where nothing is prescribed. */
+function leftOf(guidance: GuidanceMessage | null): number {
+  return Math.max(0, (guidance?.goal ?? 0) - (guidance?.counts.valid ?? 0));
+}
+
+interface NowProps {
+  guidance: GuidanceMessage | null;
+  hold: Hold;
+  onFinish: () => void;
+  isEnding: boolean;
+}
+
+function HeldCard({ guidance, hold, onFinish, isEnding }: NowProps) {
   const held = hold.held ?? 'person';
   const isOver = held === 'done' || held === 'enough' || held === 'time' || held === 'finish';
   const goOn = (
@@ -73,7 +85,7 @@ function HeldCard({ hold, onFinish, isEnding }: { hold: Hold; onFinish: () => vo
     <section className={`card home-moment doing-held doing-held-${held}`}>
       <div role="status">
         <h2>{t(`doing.held.${held}`)}</h2>
-        <p>{t(`doing.held.${held}.text`)}</p>
+        <p>{held === 'set' ? t('doing.held.set.text', { count: leftOf(guidance) }) : t(`doing.held.${held}.text`)}</p>
         {held === 'pain' && hold.isPainKnown && <p>{t('doing.held.pain.known')}</p>}
       </div>
       {hold.isUntold && (
@@ -117,18 +129,8 @@ function Buttons({ hold }: { hold: Hold }) {
 }
 
 /** What to do now, or why nothing is counted, and what can be done about it. */
-export function NowLine({
-  guidance,
-  hold,
-  onFinish,
-  isEnding,
-}: {
-  guidance: GuidanceMessage | null;
-  hold: Hold;
-  onFinish: () => void;
-  isEnding: boolean;
-}) {
-  if (hold.held !== null) return <HeldCard hold={hold} onFinish={onFinish} isEnding={isEnding} />;
+export function NowLine({ guidance, hold, onFinish, isEnding }: NowProps) {
+  if (hold.held !== null) return <HeldCard guidance={guidance} hold={hold} onFinish={onFinish} isEnding={isEnding} />;
   return (
     <p
       className={guidance?.cue ? 'doing-line doing-cue' : 'doing-line'}

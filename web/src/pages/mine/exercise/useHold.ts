@@ -6,13 +6,15 @@ import type { GuidanceMessage } from '../../../api/types';
 
 type Command = 'pause' | 'resume' | 'pain' | 'stop';
 /** Why nothing is counted now; each has its own words. */
-export type Held = 'person' | 'finish' | 'pain' | 'limit' | 'done' | 'enough' | 'time' | 'lost' | 'wrong_in_a_row';
+export type Held =
+  'person' | 'finish' | 'pain' | 'limit' | 'done' | 'set' | 'enough' | 'time' | 'lost' | 'wrong_in_a_row';
 
 const BY_SERVICE: Partial<Record<GuidanceMessage['cause'] & string, Held>> = {
   person: 'person',
   pain: 'pain',
   limit: 'limit',
   valid_count: 'done',
+  set: 'set',
   attempt_count: 'enough',
   time: 'time',
   lost: 'lost',
