@@ -136,6 +136,43 @@ describe('a gateway in the browser', () => {
     expect(await store.count('s')).toBe(0);
   });
 
+  it('connects once, whatever happens while a ticket is on its way', async () => {
+    const pending: (() => void)[] = [];
+    service.ticket = () => new Promise((resolve) => pending.push(() => resolve('ticket')));
+    const { recorder, store } = await recorderOf();
+    await feed(recorder, 0, 60);
+    expect(pending).toHaveLength(1);
+    // A pause so long that the service wants a new hello: another ticket is asked for while the first is on its way.
+    const later = 60_000 / STEP_MS;
+    recorder.add(0, (1060 + later) * STEP_MS, sample(60));
+    await vi.waitFor(() => expect(pending).toHaveLength(2));
+    for (const answer of pending) answer();
+    await vi.waitFor(async () => expect(await store.count('s')).toBe(0));
+    expect(service.sockets).toHaveLength(1);
+    expect(service.hellos).toHaveLength(1);
+    expect(service.duplicates).toBe(0);
+    expect(recorder.state.link.connections).toBe(1);
+    await recorder.close();
+  });
+
+  it('is not open again when the link breaks while what is safe is forgotten', async () => {
+    const { recorder, store } = await recorderOf();
+    await feed(recorder, 0, 60);
+    const forget = store.forget.bind(store);
+    let isCut = false;
+    vi.spyOn(store, 'forget').mockImplementation(async (...given) => {
+      await forget(...given);
+      if (service.stored.size === 10 && !isCut) {
+        isCut = true;
+        service.breakLink();
+      }
+    });
+    await vi.waitFor(() => expect(isCut).toBe(true));
+    await vi.waitFor(async () => expect(await store.count('s')).toBe(0));
+    expect(recorder.state.link.status).toBe('lost');
+    await recorder.close();
+  });
+
   it('says that this device is full, and sends on', async () => {
     const { recorder, store } = await recorderOf();
     const put = vi.spyOn(store, 'put').mockRejectedValue(new DOMException('', 'QuotaExceededError'));

@@ -88,6 +88,8 @@ export class Link {
     connections: 0,
   };
   #socket: WebSocket | null = null;
+  /** Moves on with each connection and each loss: what an earlier turn still waited for comes to nothing. */
+  #turn = 0;
   #isGreeted = false;
   #attempt = 0;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -113,8 +115,9 @@ export class Link {
   }
 
   async begin(): Promise<void> {
-    this.#stored = await this.#options.store.highest(this.#options.network.sessionId);
-    void this.#connect();
+    const turn = this.#turn;
+    this.#stored = Math.max(this.#stored, await this.#options.store.highest(this.#options.network.sessionId));
+    if (turn === this.#turn) void this.#connect();
   }
 
   /** A packet is in the store. */
@@ -148,6 +151,7 @@ export class Link {
   }
 
   #drop(): void {
+    this.#turn += 1;
     clearTimeout(this.#watch);
     const socket = this.#socket;
     this.#socket = null;
@@ -181,14 +185,17 @@ export class Link {
   }
 
   async #connect(): Promise<void> {
+    this.#drop();
+    clearTimeout(this.#timer);
+    const turn = this.#turn;
     let ticket: string;
     try {
       ticket = await this.#options.ticket();
     } catch (error) {
-      if (!this.#isDone) this.#refused(error as Refusal);
+      if (turn === this.#turn) this.#refused(error as Refusal);
       return;
     }
-    if (this.#isDone) return;
+    if (turn !== this.#turn) return;
     const { url, network } = this.#options;
     const socket = (this.#options.create ?? ((address) => new WebSocket(address)))(url);
     this.#socket = socket;
@@ -222,6 +229,7 @@ export class Link {
 
   async #acknowledged(message: Acknowledge): Promise<void> {
     const { store, network } = this.#options;
+    const turn = this.#turn;
     const isFirst = !this.#isGreeted;
     const isNews = message.acknowledged > this.#state.acknowledged;
     if (isFirst) {
@@ -236,16 +244,19 @@ export class Link {
       await store.forget(network.sessionId, message.acknowledged);
       for (const sequence of this.#askedMs.keys()) if (sequence <= message.acknowledged) this.#askedMs.delete(sequence);
     }
+    const isOpen = turn === this.#turn;
     this.#say({
-      status: 'open',
+      // The connection may have been lost while the store forgot.
+      status: isOpen ? 'open' : this.#state.status,
       acknowledged: Math.max(this.#state.acknowledged, message.acknowledged),
       highest: Math.max(this.#state.highest, message.highest),
       sessionState: message.state,
       connections: this.#state.connections + (isFirst ? 1 : 0),
     });
+    if (OVER.has(message.state)) return this.#end('ended', { code: message.state, reason: '' });
+    if (!isOpen) return;
     for (const [start, stop] of message.missing) await this.#sendAgain(start, Math.min(stop, this.#next) - 1);
-    if (OVER.has(message.state)) this.#end('ended', { code: message.state, reason: '' });
-    else void this.#send();
+    void this.#send();
   }
 
   /** Send everything that is stored and was not sent over this connection, in order, then the goodbye. */
