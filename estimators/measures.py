@@ -21,7 +21,7 @@ class NamedMeasure:
     label : str
         What a person calls it where sessions are followed; empty where it is only compared.
     is_main : bool
-        Shown at once, the others when asked for.
+        Shown at once, the others when asked for. Of a repetition: a column of the table by repetition.
     """
 
     name: str
@@ -82,35 +82,37 @@ MEASURES: Final = (
     NamedMeasure("jerk_rms", "sway"),
     NamedMeasure("median_frequency", "sway"),
     NamedMeasure("frequency_95", "sway"),
-    NamedMeasure("duration", "repetition", "Duration"),
+    NamedMeasure("range:", "repetition", "range of motion", is_main=True),
+    NamedMeasure("duration", "repetition", "Duration", is_main=True),
     NamedMeasure("duration_ratio", "repetition", "Duration relative to the template"),
-    NamedMeasure("timing_deviation", "repetition", "Uneven timing"),
+    NamedMeasure("timing_deviation", "repetition", "Uneven timing", is_main=True),
     NamedMeasure("time_to_peak_speed", "repetition", "Time to peak speed, part of the way out"),
-    NamedMeasure("shape_deviation", "repetition", "Difference in shape"),
-    NamedMeasure("inside_band", "repetition", "Share inside the band"),
+    NamedMeasure("shape_deviation", "repetition", "Difference in shape", is_main=True),
+    NamedMeasure("inside_band", "repetition", "Share inside the band", is_main=True),
     NamedMeasure("peak_deviation_phase", "repetition", "Phase of the largest difference"),
-    NamedMeasure("hand_path_ratio", "repetition", "Hand path relative to a straight line"),
-    NamedMeasure("peak_speed", "repetition", "Peak hand speed"),
+    NamedMeasure("peak_speed", "repetition", "Peak hand speed", is_main=True),
     NamedMeasure("mean_speed", "repetition", "Mean hand speed"),
     NamedMeasure("peak_turning_speed", "repetition", "Peak turning speed"),
     NamedMeasure("mean_turning_speed", "repetition", "Mean turning speed"),
     NamedMeasure("path_residual", "repetition", "Hand path, what differs in shape"),
     NamedMeasure("path_turn", "repetition", "Hand path, turned from the template"),
     NamedMeasure("path_scale", "repetition", "Hand path, factor to the template's size"),
-    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)"),
-    NamedMeasure("log_dimensionless_jerk", "repetition", "Smoothness (log dimensionless jerk)"),
+    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)", is_main=True),
+    NamedMeasure("log_dimensionless_jerk", "repetition", "Smoothness (log dimensionless jerk)", is_main=True),
     NamedMeasure("movement_units", "repetition", "Movement units"),
     NamedMeasure("units_per_metre", "repetition", "Movement units per metre"),
-    NamedMeasure("joint_correlation", "repetition", "Shoulder and elbow together (correlation)"),
+    NamedMeasure(
+        "joint_correlation", "repetition", "Shoulder and elbow together (correlation)", is_main=True
+    ),
     NamedMeasure("joint_lag", "repetition", "Elbow behind shoulder"),
     NamedMeasure("joint_common_share", "repetition", "Movement that shoulder and elbow share"),
-    NamedMeasure("range:", "repetition", "range of motion"),
+    NamedMeasure("hand_path_ratio", "repetition", "Hand path relative to a straight line", is_main=True),
     NamedMeasure("range_ratio:", "repetition", "range relative to the template"),
     NamedMeasure("peak_deviation:", "repetition", "largest difference"),
     NamedMeasure("shape_rms:", "repetition", "difference in shape"),
     NamedMeasure("multiple_correlation:", "repetition", "how alike the repetitions are (CMC)"),
     NamedMeasure("repetition_rms:", "repetition", "spread of the repetitions"),
-    NamedMeasure("compensation:", "repetition", "range"),
+    NamedMeasure("compensation:", "repetition", "range", is_main=True),
 )
 """In the order in which they are shown, the most telling first."""
 

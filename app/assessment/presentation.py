@@ -1,30 +1,8 @@
 """From the library's numbers to what people read: names, degrees, and None where nothing was measured.
 
-Here is the one place where radians become degrees. Keys of measures (`RepetitionMeasure.measure`) are those
-of `estimators.comparison`:
-
-===========================  ======================================================  ====
-``duration``                 of one repetition                                       s
-``duration_ratio``           to the template's                                       1
-``timing_deviation``         uneven timing after the total duration is matched       %
-``range:<angle>``            range of motion                                         deg
-``range_ratio:<angle>``      to the template's, for the main angle                   1
-``shape_deviation``, ``inside_band``, ``peak_deviation...``, ``shape_rms...``        see the label
-``compensation:<scalar>``    range of trunk lean or shoulder hike                    deg, m
-``hand_path_ratio``          way of the hand to the straight line                    1
-``peak_speed``               of the hand                                             m/s
-``peak_turning_speed``       for exercises that turn                                 deg/s
-``spectral_arc_length``      smoothness, closer to zero is smoother                  1
-``log_dimensionless_jerk``   smoothness of the way out, closer to zero is smoother   1
-``movement_units``           count of pushes                                         count
-``units_per_metre``          pushes over the way of the hand                         1/m
-``time_to_peak_speed``       of the way out                                          %
-``mean_speed``, ``mean_turning_speed``  over the repetition                          m/s, deg/s
-``joint_correlation``, ``joint_lag``, ``joint_common_share``  of shoulder and elbow  1, ms, %
-``path_residual``, ``path_turn``, ``path_scale``  hand's path laid on the template's m, deg, 1
-``multiple_correlation:<angle>``  of all repetitions together; stored as repetition 0  1
-``repetition_rms:<angle>``   the same: their distance from their mean                deg
-===========================  ======================================================  ====
+Here is the one place where radians become degrees. Keys of measures (`RepetitionMeasure.measure`) are those of
+`estimators.measures`; `multiple_correlation:` and `repetition_rms:`, of all repetitions together, are stored as
+repetition 0.
 
 The main measure of an exercise is ``range:<primary angle>``.
 """

@@ -1,27 +1,14 @@
 import { Button } from '@mantine/core';
+import measures from '../../../api/measures.json';
 import type { ComparisonDetail, MeasureValue } from '../../../api/types';
 import { t } from '../../../i18n';
 import { primaryChannel } from '../../../lib/assessment/comparison';
 import { quantity, uncertain } from '../../../lib/format';
 
-/** The measures of most use in a table by repetition, by the beginning of their names; each group gives at most two. */
-const WANTED = [
-  'range:',
-  'duration',
-  'timing_deviation',
-  'shape_deviation',
-  'inside_band',
-  'peak_speed',
-  'spectral_arc_length',
-  'log_dimensionless_jerk',
-  'joint_correlation',
-  'hand_path_ratio',
-  'compensation:',
-];
-
+/** The main measures of a repetition; a beginning of names gives one of them, or two kinds of compensation. */
 function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
   const primary = primaryChannel(summary);
-  return WANTED.flatMap((start) => {
+  return measures.repetition.main.flatMap((start) => {
     const found = summary.filter((one) =>
       start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start,
     );
