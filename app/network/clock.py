@@ -6,6 +6,7 @@ can be aligned again, bit for bit. Arrival times only tell the skew and bridge a
 
 from array import array
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -189,12 +190,21 @@ class PacketClock:
     def _add_epoch(self, epoch: ClockEpoch) -> None:
         self.declaration = replace(self.declaration, clock_epochs=(*self.declaration.clock_epochs, epoch))
 
-    def advance(self, sequence: int, time_us: int, duration_us: int, arrival_s: float) -> None:
-        """Note the next packet in order, whose place another has found; see `admit`."""
-        self._highest, self._highest_time_us, self._highest_duration_us = sequence, time_us, duration_us
+    def advance(self, times_us: Sequence[int], sequence: int, duration_us: int, arrival_s: float) -> None:
+        """Note the next packets in order, whose places another has found; see `admit`.
+
+        Parameters
+        ----------
+        times_us : sequence of int
+            Session time of each.
+        sequence, duration_us, arrival_s
+            Of the last.
+        """
+        self._highest, self._highest_time_us, self._highest_duration_us = sequence, times_us[-1], duration_us
         self._highest_arrival_s = arrival_s
         self._is_new_connection = False
-        self._remember(sequence, time_us)
+        for number, time_us in enumerate(times_us, sequence + 1 - len(times_us)):
+            self._remember(number, time_us)
 
     def fill(self, x: Any) -> None:
         """Write into a record of `SLOT` what the next packet in order must fit; there must be an epoch."""

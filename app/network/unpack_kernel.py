@@ -6,7 +6,7 @@ import numpy as np
 from numba.core import types
 from numpy.typing import NDArray
 
-from estimators.compiling import compiled
+from estimators.kernels import borrowing
 from estimators.recording import Float, SampleQuality
 
 _MISSING: Final = int(SampleQuality.MISSING)
@@ -104,6 +104,6 @@ def _signature(number: Any) -> Any:
     )
 
 
-unpack = compiled([_signature(types.int16), _signature(types.float32)])(unpack_python)
+unpack = borrowing([_signature(types.int16), _signature(types.float32)])(unpack_python)
 
 __all__ = ["unpack", "unpack_python"]

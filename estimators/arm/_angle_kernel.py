@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiling import compiled
+from estimators.kernels import borrowing
 
 Float = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ SIGMA_CEILING_RAD: Final = math.pi / math.sqrt(3.0)
 _TWO_PI = 2.0 * math.pi
 
 
-@compiled()
+@borrowing()
 def _multiply(p: Any, q: Float, out: Float) -> None:
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
     out[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
@@ -51,7 +51,7 @@ def _multiply(p: Any, q: Float, out: Float) -> None:
     out[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]
 
 
-@compiled()
+@borrowing()
 def matrix_of(q: Float, out: Float) -> None:
     """Write the rotation matrix of a unit quaternion."""
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -66,12 +66,12 @@ def matrix_of(q: Float, out: Float) -> None:
     out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
 
 
-@compiled()
+@borrowing()
 def _nearest(angle: float, wanted: float) -> float:
     return angle + _TWO_PI * math.floor((wanted - angle) / _TWO_PI + 0.5)
 
 
-@compiled()
+@borrowing()
 def _near(angle: float, previous: float, centre: float) -> float:
     """Choose the turn of an angle closest to the previous one, but no farther off the centre than a joint gets."""
     if math.isfinite(previous):
@@ -81,7 +81,7 @@ def _near(angle: float, previous: float, centre: float) -> float:
     return _nearest(angle, centre)
 
 
-@compiled()
+@borrowing()
 def relative_of(parent: Float, child: Float, is_left: bool, out: Float) -> None:
     """Relative rotation, mirrored in the sagittal plane for the left side."""
     inverse = (parent[0], -parent[1], -parent[2], -parent[3])
@@ -91,7 +91,7 @@ def relative_of(parent: Float, child: Float, is_left: bool, out: Float) -> None:
         out[3] = -out[3]
 
 
-@compiled()
+@borrowing()
 def shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
     """Y-X-Y angles into `angle[0:3]`; returns whether they are near the singularity."""
     elevation = 2.0 * math.atan2(math.hypot(r[1], r[2]), math.hypot(r[0], r[3]))
@@ -114,7 +114,7 @@ def shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
     return True
 
 
-@compiled()
+@borrowing()
 def hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> bool:
     """Z-X-Y angles of elbow or wrist into `angle[0:3]`; returns whether they are near the singularity."""
     m12 = 2.0 * (r[2] * r[3] - r[0] * r[1])
@@ -129,7 +129,7 @@ def hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> bool
     return 0.5 * math.pi - abs(across) < SINGULAR_MARGIN_RAD
 
 
-@compiled()
+@borrowing()
 def first_axes(
     parent: Float, angle: float, is_shoulder: bool, is_left: bool, scratch: Float, out: Float
 ) -> None:
@@ -151,7 +151,7 @@ def first_axes(
             out[i, 2] = cosine * scratch[i, 2] - sine * scratch[i, 0]
 
 
-@compiled()
+@borrowing()
 def sigmas(axes: Float, variance: Float, second: float, is_shoulder: bool, out: Float) -> None:
     """First-order one-sigma of three Euler angles; see `_uncertainty` for the derivation."""
     var0 = var1 = var2 = 0.0

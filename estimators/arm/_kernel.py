@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from estimators._kernels import Scalars3
 from estimators.arm._angle_kernel import first_axes, hinge, matrix_of, relative_of, shoulder, sigmas
 from estimators.compiling import compiled
-from estimators.kernels import VOID, bundle
+from estimators.kernels import VOID, borrowing, bundle
 
 Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
@@ -23,7 +23,7 @@ Flags = NDArray[np.uint8]
 _SINGULAR = np.uint8(128)  # OrientationFlag.SINGULAR
 
 
-@compiled()
+@borrowing()
 def _advance(
     q: Float,
     omega: Float,
@@ -85,12 +85,18 @@ class Filled(NamedTuple):
 
 
 class _Chain(NamedTuple):
-    """Where the eleven points of one tick are, and room for a matrix and axes."""
+    """Where the eleven points of one tick are, and room for a matrix, axes, a rotation and three angles' numbers."""
 
     position: Float
     velocity: Float
     matrix: Float
     axes: Float
+    relative: Float
+    found: Float
+    variance: Float
+    sigma: Float
+    upright: Float
+    zero: Float
 
 
 _ROW, _TABLE, _CUBE = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -100,7 +106,7 @@ _COLUMNS = bundle(Columns, _WHOLE, _ROW, _WHOLE, _WHOLE, _WHOLE)
 _FILLED = bundle(Filled, _CUBE, _TABLE, _TABLE, _TABLE, _BYTES)
 
 
-@compiled()
+@borrowing()
 def _trunk(
     k: int, thorax: Float, thorax_omega: Float, worn: Segments, model: Columns, at: _Chain, out: Filled
 ) -> None:
@@ -128,7 +134,7 @@ def _trunk(
         out.scalar[k, model.scalar[2]] = math.atan2(matrix[1, 0], matrix[1, 1])
 
 
-@compiled()
+@borrowing()
 def _shoulder_point(
     k: int,
     side: int,
@@ -162,7 +168,7 @@ def _shoulder_point(
         out.scalar[k, model.scalar[3 + side]] = hike
 
 
-@compiled()
+@borrowing()
 def _joint_sigmas(
     k: int,
     joint: int,
@@ -174,7 +180,7 @@ def _joint_sigmas(
     at: _Chain,
 ) -> Scalars3:
     """Return one sigma of each of the joint's angles from those of its segments, at `places` (parent or -1, child)."""
-    variance, one_sigma = np.empty(3), np.empty(3)
+    variance, one_sigma = at.variance, at.sigma
     parent_index, child_index = places
     for i in range(3):
         variance[i] = sigma[k, child_index, i] ** 2
@@ -186,12 +192,11 @@ def _joint_sigmas(
     return one_sigma[0], one_sigma[1], one_sigma[2]
 
 
-@compiled()
+@borrowing()
 def _joint(
     k: int,
     side: int,
     joint: int,
-    upright: Float,
     worn: Segments,
     model: Columns,
     step_s: float,
@@ -204,8 +209,8 @@ def _joint(
     is_left = side == 0
     child_index = model.source[3 + 4 * side + joint]
     parent_index = model.source[0] if joint == 0 else model.source[2 + 4 * side + joint]
-    parent = worn.q_room[k, parent_index] if parent_index >= 0 else upright
-    relative, found = np.empty(4), np.empty(3)
+    parent = worn.q_room[k, parent_index] if parent_index >= 0 else at.upright
+    relative, found = at.relative, at.found
     relative_of(parent, worn.q_room[k, child_index], is_left, relative)
     flag = worn.flags[k, child_index]
     if parent_index >= 0:
@@ -233,8 +238,8 @@ def _joint(
             out.angle_flags[k, column + i] = flag | _SINGULAR
 
 
-@compiled()
-def _onward(k: int, side: int, joint: int, worn: Segments, model: Columns, zero: Float, at: _Chain) -> None:
+@borrowing()
+def _onward(k: int, side: int, joint: int, worn: Segments, model: Columns, at: _Chain) -> None:
     """Go on from a joint to the next point of the arm, unless it is not wanted."""
     point = 3 + 4 * side + joint
     if model.point[point + 1] < 0:
@@ -243,38 +248,55 @@ def _onward(k: int, side: int, joint: int, worn: Segments, model: Columns, zero:
     child_index = model.source[point]
     carrier = child_index if child_index >= 0 else model.source[point - 1]
     has_omega = worn.omega_room_radps.shape[0] > 0
-    omega = worn.omega_room_radps[k, carrier] if has_omega else zero
+    omega = worn.omega_room_radps[k, carrier] if has_omega else at.zero
     _advance(
         worn.q_room[k, carrier], omega, has_omega, 0.0, 0.0, -model.lengths_m[4 + joint],
         at.position[point], at.velocity[point], at.position[point + 1], at.velocity[point + 1],
     )  # fmt: skip
 
 
+@borrowing()
+def _tick(
+    k: int, worn: Segments, model: Columns, step_s: float, previous: Float, at: _Chain, out: Filled
+) -> None:
+    has_omega = worn.omega_room_radps.shape[0] > 0
+    thorax_index = model.source[0]
+    thorax = worn.q_room[k, thorax_index] if thorax_index >= 0 else at.upright
+    thorax_omega = worn.omega_room_radps[k, thorax_index] if has_omega and thorax_index >= 0 else at.zero
+    _trunk(k, thorax, thorax_omega, worn, model, at, out)
+    for side in range(2):
+        _shoulder_point(k, side, thorax, thorax_omega, worn, model, at, out)
+        for joint in range(3):
+            _onward(k, side, joint, worn, model, at)
+            first = 9 * side + 3 * joint
+            if model.angle[first] >= 0:
+                _joint(k, side, joint, worn, model, step_s, previous[first : first + 3], at, out)
+        if model.scalar[5 + side] >= 0:
+            speed = math.nan
+            if has_omega:
+                v = at.velocity[6 + 4 * side]
+                speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            out.scalar[k, model.scalar[5 + side]] = speed
+    for p in range(11):
+        if model.point[p] >= 0:
+            for i in range(3):
+                out.point_m[k, model.point[p], i] = at.position[p, i]
+
+
 @compiled(VOID(_SEGMENTS, _COLUMNS, types.float64, _ROW, _FILLED))
 def evaluate_kernel(worn: Segments, model: Columns, step_s: float, previous: Float, out: Filled) -> None:
     """Fill the outputs for every tick; `previous` (18,), the angles before, is read and left at the last tick."""
-    has_omega = worn.omega_room_radps.shape[0] > 0
-    upright, zero = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
-    at = _Chain(np.empty((11, 3)), np.zeros((11, 3)), np.empty((3, 3)), np.empty((3, 3)))
+    at = _Chain(
+        np.empty((11, 3)),
+        np.zeros((11, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty(4),
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+        np.array([1.0, 0.0, 0.0, 0.0]),
+        np.zeros(3),
+    )
     for k in range(worn.q_room.shape[0]):
-        thorax_index = model.source[0]
-        thorax = worn.q_room[k, thorax_index] if thorax_index >= 0 else upright
-        thorax_omega = worn.omega_room_radps[k, thorax_index] if has_omega and thorax_index >= 0 else zero
-        _trunk(k, thorax, thorax_omega, worn, model, at, out)
-        for side in range(2):
-            _shoulder_point(k, side, thorax, thorax_omega, worn, model, at, out)
-            for joint in range(3):
-                _onward(k, side, joint, worn, model, zero, at)
-                first = 9 * side + 3 * joint
-                if model.angle[first] >= 0:
-                    _joint(k, side, joint, upright, worn, model, step_s, previous[first : first + 3], at, out)
-            if model.scalar[5 + side] >= 0:
-                speed = math.nan
-                if has_omega:
-                    v = at.velocity[6 + 4 * side]
-                    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-                out.scalar[k, model.scalar[5 + side]] = speed
-        for p in range(11):
-            if model.point[p] >= 0:
-                for i in range(3):
-                    out.point_m[k, model.point[p], i] = at.position[p, i]
+        _tick(k, worn, model, step_s, previous, at, out)

@@ -58,6 +58,8 @@ class Pool(Protocol):
 
     sessions: int
     """How many it has room for."""
+    columns: Columns
+    """What `step` has written, in the rows that its stretches name."""
 
     def join(self, slot: int, pipeline: Pipeline) -> bool:
         """Let a pipeline go on over the rows of a slot; False when it cannot, as it stands now.
@@ -70,7 +72,7 @@ class Pool(Protocol):
 
     def step(
         self, stretches: NDArray[np.void], count: int, signals: Float, quality: NDArray[np.uint8]
-    ) -> Columns:
+    ) -> None:
         """Take the next ticks of some sessions, without the interpreter's lock.
 
         Parameters
@@ -82,23 +84,13 @@ class Pool(Protocol):
             Gyroscope, accelerometer and, with a magnetometer, field, shape (channels, S, K, 3) each, as in `ImuChunk`.
         quality : ndarray of uint8, shape (samples,)
             Shape (S, K) each.
-
-        Returns
-        -------
-        Columns
-            Valid until the next call.
         """
 
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
         """Carry on what a pipeline knows beside its rows, after `step` has taken its ticks up to `next_tick`."""
 
-    def frames(self, pipeline: Pipeline, columns: Columns, first_tick: int, start: int, stop: int) -> Frames:
-        """Return views of some rows as frames, as they are stored live."""
-
-
-def held(found: Columns, ticks: int) -> Columns:
-    """Return a copy of the first rows, which the next step does not overwrite."""
-    return Columns._make([values[:ticks].copy() for values in found])
+    def frames(self, pipeline: Pipeline, first_tick: int, start: int, stop: int) -> Frames:
+        """Return a copy of some rows of `columns` as frames, as they are stored live."""
 
 
 def columns(ticks: int, layout: FrameLayout) -> Columns:
@@ -116,4 +108,4 @@ def columns(ticks: int, layout: FrameLayout) -> Columns:
     )
 
 
-__all__ = ["STRETCH", "Columns", "Pool", "columns", "held"]
+__all__ = ["STRETCH", "Columns", "Pool", "columns"]

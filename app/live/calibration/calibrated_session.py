@@ -23,10 +23,14 @@ from estimators.pipelines import Pipeline
 class CalibratedSession(SessionBook):
     """A session with a pipeline that can be calibrated while it streams."""
 
-    pipeline: Pipeline
     line: EstimationLine
     stored: repository.StoredSession
     result_id: str
+
+    @property
+    @abstractmethod
+    def pipeline(self) -> Pipeline:
+        """The session's estimators."""
 
     @property
     @abstractmethod

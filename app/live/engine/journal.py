@@ -6,6 +6,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from app.network.placing.crc import TABLES
+from app.network.placing.slot import Packets
 from estimators.compiling import compiled
 from estimators.kernels import VOID
 
@@ -39,24 +41,22 @@ class Journal:
 
     Attributes
     ----------
-    data : ndarray of uint8
-    counts, numbers : ndarray of int16 and float32
-        The same memory.
+    packets : Packets
     received : list of Received
     """
 
     def __init__(self, size: int = JOURNAL_BYTES) -> None:
         self._words = np.zeros(size // 8, dtype=np.uint64)
-        self.data: NDArray[np.uint8] = self._words.view(np.uint8)
-        self.counts: NDArray[np.int16] = self._words.view(np.int16)
-        self.numbers: NDArray[np.float32] = self._words.view(np.float32)
-        self.bytes = self.data.data.cast("B")
+        self.packets = Packets(
+            self._words.view(np.uint8), self._words.view(np.int16), self._words.view(np.float32), TABLES
+        )
+        self.bytes = self.packets.data.data.cast("B")
         self.received: list[Received] = []
         self._end = 0
 
     def has_room(self, length: int) -> bool:
         """Whether a packet of this length fits."""
-        return self._end + length + 8 <= len(self.data)
+        return self._end + length + 8 <= len(self.bytes)
 
     def add(self, sender: Sender, data: memoryview, key: int, arrival_s: float, arrival_ns: int) -> None:
         """Copy a packet, masked with a key of four bytes (little endian; 0 for none)."""

@@ -1,9 +1,10 @@
 """One live session's place in the pooled engine, and what is done in Python with a packet that compiled code took."""
 
-import struct
-import time
-from collections.abc import Hashable
-from typing import Any, Final, Protocol
+import logging
+import math
+import threading
+from collections.abc import Hashable, Sequence
+from typing import Any, Final, NamedTuple, Protocol
 
 from app.live.blocks import PublishedBlock
 from app.live.checks.health import LinkHealth
@@ -19,36 +20,63 @@ from app.live.engine.pools import (
     TICKS,
     TIME_US,
     SessionPool,
-    Taken,
     pool_key,
 )
 from app.live.session.estimation import EstimationLine
 from app.live.session.ledger import SequenceLedger
 from app.live.session.states import STREAMING, StateMachine
 from app.network.alignment import Aligner
-from app.network.clock import PacketClock
+from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import Declaration
-from app.network.packet import HEADER_BYTES
-from app.network.raw_packet import RawPacket
+from app.network.packet_run import PacketRun, runs_of
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import ImuChunk
 
+logger = logging.getLogger(__name__)
+
+SETTLE_TICKS: Final = 62
+"""A session with more ticks since it was last settled is settled before its next packet."""
+
+
+class TakenPacket(NamedTuple):
+    """A packet that compiled code took, and that is not settled yet.
+
+    Attributes
+    ----------
+    row : tuple
+        Values of `ITEM`.
+    message : bytes
+    arrival_s : float
+        Monotonic.
+    arrival_ns : int
+        Since the epoch.
+    """
+
+    row: tuple[Any, ...]
+    message: bytes
+    arrival_s: float
+    arrival_ns: int
+
+
+class Parts:
+    """Parts of a live session that packets move on."""
+
+    def __init__(self, declaration: Declaration, pipeline: Pipeline, first_tick: int) -> None:
+        self.clock = PacketClock(declaration)
+        self.aligner = Aligner(declaration, first_tick=first_tick)
+        self.ledger = SequenceLedger()
+        self.skew = SkewEstimator()
+        self.health = LinkHealth(declaration.placements, declaration.time_step_s)
+        self.pipeline = pipeline
+
 
 class Pooled(Protocol):
-    """What the engine needs of a live session."""
+    """What the engine needs of a live session: its parts as they stood when its lane was last settled."""
 
     id: str
-    clock: PacketClock
-    aligner: Aligner
-    pipeline: Pipeline
-    ledger: SequenceLedger
-    health: LinkHealth
+    now: Parts
     line: EstimationLine
     machine: StateMachine
-
-    @property
-    def declaration(self) -> Declaration:
-        """The network."""
 
     @property
     def is_plain(self) -> bool:
@@ -59,17 +87,27 @@ class Pooled(Protocol):
         """Whether somebody wants blocks of its frames."""
 
     @property
+    def wants_frames(self) -> bool:
+        """Whether somebody wants the frames of each packet at once."""
+
+    @property
     def recent(self) -> RecentSamples:
         """The newest seconds of its samples."""
 
     def publish_block(self, block: PublishedBlock) -> None:
         """Give a block to whoever watches."""
 
-    def took(self, raw: RawPacket, end_s: float, arrival_s: float) -> None:
-        """Store and count a packet that was placed in order; `end_s` is its session time."""
+    def show(self, frames: Frames) -> None:
+        """Give frames to whoever wants them at once."""
 
-    def after_pooled(self, frames: Frames, ticks: int, chunk: ImuChunk | None) -> None:
-        """Publish and store what was found in so many ticks; `chunk` where a sample is less than measured."""
+    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
+        """Store and count packets that were placed in order."""
+
+    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
+        """Store and count what was found.
+
+        `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
+        """
 
 
 class Slots(Protocol):
@@ -82,9 +120,6 @@ class Slots(Protocol):
 
     def leave(self, pool: SessionPool, slot: int) -> None:
         """Free a slot; a pool without sessions goes."""
-
-
-_FIELDS: Final = struct.Struct("<4sBBHBBHIQI")
 
 
 class Lane:
@@ -107,15 +142,20 @@ class Lane:
         self._key: Hashable | None = None
         self._known: tuple[object, ...] | None = None
         self._next = (-1, -1)
+        self._taken: list[TakenPacket] = []
+        self._ticks = 0
+        self._thread = threading.get_ident()
 
     @property
     def is_ready(self) -> bool:
         """Whether compiled code may take the next packet."""
-        session = self.session
-        clock, aligner = session.clock, session.aligner
+        session, parts = self.session, self.session.now
+        clock, aligner = parts.clock, parts.aligner
         if session.machine.state not in STREAMING or not session.is_plain or aligner.waiting:
             return False
-        declaration, setup, known = clock.declaration, session.pipeline.setup, self._known
+        if self._ticks > SETTLE_TICKS:
+            self.settle()
+        declaration, setup, known = clock.declaration, parts.pipeline.setup, self._known
         if (
             self._next == (clock.highest, aligner.next_tick)
             and known is not None
@@ -127,34 +167,35 @@ class Lane:
         return self._enter((declaration, setup, aligner))
 
     def _enter(self, known: tuple[object, ...]) -> bool:
-        session = self.session
-        clock, aligner = session.clock, session.aligner
+        self.settle()
+        session, parts = self.session, self.session.now
+        clock, aligner, pipeline = parts.clock, parts.aligner, parts.pipeline
         if (
             not clock.declaration.clock_epochs
             or not aligner.is_in_order
             or aligner.next_sequence != clock.highest + 1
-            or session.ledger.received.highest != clock.highest
+            or parts.ledger.received.highest != clock.highest
         ):
             return False
-        key = pool_key(session.pipeline, aligner.channel_count)
+        key = pool_key(pipeline, aligner.channel_count)
         if key is None:
             self.leave()
             return False
         if key != self._key:
             self.leave()
             self.pool, self.slot = self._engine.slot_for(
-                key, session.pipeline, aligner.channel_count, session.recent.ticks
+                key, pipeline, aligner.channel_count, session.recent.ticks
             )
             self._key = key
         pool = self.pool
-        if pool is None or not pool.kind.join(self.slot, session.pipeline):
+        if pool is None or not pool.kind.join(self.slot, pipeline):
             return False
         aligner.share(pool.network, self.slot)
         session.recent.share(pool.network.recent[self.slot], pool.network.recent_quality[self.slot])
         x: Any = pool.network.slot[self.slot]
         clock.fill(x)
         aligner.fill(x)
-        x["is_blocked"] = 0
+        x["is_blocked"] = x["frame_row"] = 0
         self._known, self._next = known, (clock.highest, aligner.next_tick)
         return True
 
@@ -162,71 +203,93 @@ class Lane:
         """Give the session arrays of its own and free the slot."""
         if self.pool is None:
             return
-        self.pool.kind.leave(self.slot, self.session.pipeline)
-        self.session.aligner.own()
+        self.settle()
+        self.pool.kind.leave(self.slot, self.session.now.pipeline)
+        self.session.now.aligner.own()
         self.session.recent.own()
         self._engine.leave(self.pool, self.slot)
         self.pool, self.slot, self._key, self._known = None, -1, None, None
 
     def forget(self) -> None:
         """Look anew where the session stands before the next packet is taken."""
+        self.settle()
         self._next = (-2, -2)
 
+    @property
+    def newest_arrival_s(self) -> float:
+        """Monotonic time at which the newest packet came that is not settled; minus infinity where none is."""
+        return self._taken[-1].arrival_s if self._taken else -math.inf
+
     def took(
-        self, taken: Taken, row: tuple[Any, ...], data: memoryview, arrival_s: float, arrival_ns: int
+        self, row: tuple[Any, ...], message: bytes, arrival_s: float, arrival_ns: int, now_s: float
     ) -> None:
-        """Do the rest for an ordinary packet: store it, carry clock and alignment on, store and count what came of it.
+        """Take note of a packet that compiled code took; what is not wanted at once is done for some together.
 
         Parameters
         ----------
-        taken : Taken
         row : tuple
             Of the packet.
-        data : memoryview
+        message : bytes
             The packet.
         arrival_s, arrival_ns
             As of `LiveSession.receive`.
+        now_s : float
+            Monotonic time at which what was found of it has been shown.
         """
-        session, pool = self.session, taken.pool
-        sequence, time_us, duration_us = row[SEQUENCE], row[TIME_US], row[DURATION_US]
-        _, sensors, sent, mask, encoding, flags, _, _, device_us, interval_us = _FIELDS.unpack_from(data)
-        raw = RawPacket(
-            sequence,
-            device_us,
-            interval_us,
-            sensors,
-            sent,
-            mask,
-            encoding,
-            flags,
-            bytes(data[HEADER_BYTES:]),
-            arrival_ns,
-        )
-        next_tick, ticks = row[NEXT_TICK], row[TICKS]
-        session.clock.advance(sequence, time_us, duration_us, arrival_s)
-        session.aligner.advance(
-            sequence, time_us + duration_us, next_tick, row[LAST_POSITION], row[ROWS_KNOWN]
-        )
-        pool.kind.stepped(session.pipeline, next_tick)
-        self._next = (sequence, next_tick)
-        session.took(raw, (time_us + duration_us) * 1e-6, arrival_s)
+        session = self.session
+        self._taken.append(TakenPacket(row, message, arrival_s, arrival_ns))
+        ticks = row[TICKS]
+        self._ticks += ticks
         if not ticks:
             return
-        first_tick = row[FIRST_TICK]
-        chunk = None
-        if row[IS_FLAWED] or session.health.has_gaps:
-            quality = pool.quality(row)
-            nothing = session.recent.chunk(first_tick, first_tick + ticks, session.declaration.time_step_s)
-            chunk = ImuChunk(
-                first_tick,
-                nothing.time_step_s,
-                nothing.gyroscope_radps,
-                nothing.accelerometer_mps2,
-                nothing.magnetometer_t,
-                quality,
-            )
-        session.after_pooled(taken.frames(session.pipeline, row), ticks, chunk)
-        session.health.latencies_s.append(time.monotonic() - arrival_s)
+        health = session.now.health
+        health.latencies_s.append(now_s - arrival_s)
+        if session.wants_frames:
+            session.show(self._frames(row[FIRST_TICK], self._ticks - ticks, self._ticks))
+        if row[IS_FLAWED] or health.has_gaps:
+            self.settle()
+
+    def _frames(self, first_tick: int, start: int, stop: int) -> Frames:
+        assert self.pool is not None
+        return self.pool.frames(self.session.now.pipeline, self.slot, first_tick, start, stop)
+
+    def settle(self) -> None:
+        """Let the session's parts stand where its rows stand: carry them on over the packets since, store and count.
+
+        Other threads than the event loop's see the session as it stood when it was last settled.
+        """
+        taken, pool = self._taken, self.pool
+        if not taken or pool is None or threading.get_ident() != self._thread:
+            return
+        try:
+            self._settle(taken, pool)
+        except Exception as error:
+            logger.exception("packets of session %s could not be settled", self.session.id)
+            self.session.line.stop(error)
+
+    def _settle(self, taken: list[TakenPacket], pool: SessionPool) -> None:
+        ticks, self._taken, self._ticks = self._ticks, [], 0
+        session, parts, last = self.session, self.session.now, taken[-1].row
+        sequence, next_tick = last[SEQUENCE], last[NEXT_TICK]
+        parts.clock.advance(
+            [one.row[TIME_US] for one in taken], sequence, last[DURATION_US], taken[-1].arrival_s
+        )
+        parts.aligner.advance(
+            sequence, last[TIME_US] + last[DURATION_US], next_tick, last[LAST_POSITION], last[ROWS_KNOWN]
+        )
+        pool.kind.stepped(parts.pipeline, next_tick)
+        pool.settled(self.slot)
+        self._next = (sequence, next_tick)
+        messages, arrivals_ns = [one.message for one in taken], [one.arrival_ns for one in taken]
+        session.took(taken, runs_of(taken[0].row[SEQUENCE], messages, arrivals_ns))
+        if not ticks:
+            return
+        frames = self._frames(next_tick - ticks, 0, ticks)
+        whole, chunk = [found for one in taken if (found := one.row[TICKS])], None
+        if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
+            first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s
+            chunk = session.recent.chunk(first_tick, next_tick, step_s)
+        session.after_pooled(frames, whole, chunk)
 
 
-__all__ = ["Lane"]
+__all__ = ["Lane", "Parts", "TakenPacket"]

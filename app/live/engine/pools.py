@@ -1,7 +1,6 @@
 """Pools of live sessions with equal sensors and settings: rows, free slots, and the compiled calls of a turn."""
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -10,15 +9,16 @@ from numpy.typing import NDArray
 from app.live.blocks import PublishedBlock, block_header, column_names
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
-from app.network.placing.crc import TABLES
 from app.network.placing.kernel import place
-from app.network.placing.slot import ITEM, MOST_TICKS, Network, Placed, network_rows
+from app.network.placing.slot import ITEM, MOST_TICKS, Network, network_rows, room_for
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
-from estimators.pipelines.pooled import STRETCH, Columns, Pool, held
+from estimators.pipelines.pooled import STRETCH, Pool
 
-SESSIONS: Final = 32
+SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
+FRAME_ROWS: Final = 2 * MOST_TICKS + 62
+"""Ticks of a session whose frames wait until they are stored and shown to whoever wants all of them."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
 _KINDS: Final = (ArmPool,)
@@ -43,28 +43,6 @@ def pool_key(pipeline: Pipeline, channels: int) -> Hashable | None:
     return None
 
 
-@dataclass
-class Taken:
-    """What a call gave for its packets.
-
-    Attributes
-    ----------
-    rows : list of tuple
-        Values of `ITEM`.
-    columns : Columns
-        Rows of these packets alone, which nobody overwrites.
-    """
-
-    rows: list[tuple[Any, ...]]
-    columns: Columns
-    pool: "SessionPool" = field(repr=False)
-
-    def frames(self, pipeline: Pipeline, row: tuple[Any, ...]) -> Frames:
-        """Return a packet's frames."""
-        start = row[TICK_AT]
-        return self.pool.kind.frames(pipeline, self.columns, row[FIRST_TICK], start, start + row[TICKS])
-
-
 class SessionPool:
     """Rows for some sessions of one kind."""
 
@@ -72,20 +50,20 @@ class SessionPool:
         sensors = len(like.setup.placements)
         most_ticks = ITEMS * MOST_TICKS
         kind = next(kind for kind in _KINDS if kind.key(like) is not None)
-        self.kind: Pool = kind(like, channels, SESSIONS, most_ticks)  # type: ignore[arg-type]
+        self.kind: Pool = kind(like, channels, SESSIONS, SESSIONS * FRAME_ROWS)  # type: ignore[arg-type]
         self.sensors = sensors
         self.network: Network = network_rows(SESSIONS, channels, sensors, recent_ticks)
         self.free = list(range(SESSIONS))[::-1]
         self._items = np.zeros(ITEMS, dtype=ITEM)
         self._stretches = np.zeros(ITEMS, dtype=STRETCH)
-        self._placed = Placed(
-            np.empty(channels * sensors * most_ticks * 3), np.empty(sensors * most_ticks, dtype=np.uint8)
-        )
+        self._placed = room_for(channels, sensors, most_ticks)
         self._width = len(column_names(like.layout))
         self._numbers = np.empty(most_ticks * self._width, dtype=np.float32)
         self._time_step_s = 1.0 / like.setup.rate_hz
 
-    def take(self, journal: Journal, slots: Sequence[int], places: Sequence[tuple[int, int]]) -> Taken:
+    def take(
+        self, journal: Journal, slots: Sequence[int], places: Sequence[tuple[int, int]]
+    ) -> list[tuple[Any, ...]]:
         """Take up to `ITEMS` packets, in the order in which they came.
 
         Parameters
@@ -94,43 +72,54 @@ class SessionPool:
             Unmasked.
         slots : sequence of int
         places : sequence of (offset, length)
+
+        Returns
+        -------
+        list of tuple
+            Values of `ITEM`.
         """
         count = len(slots)
         items = self._items[:count]
         items["slot"] = slots
         items["offset"], items["length"] = np.array(places).T
-        place(
-            self._items,
-            count,
-            journal.data,
-            journal.counts,
-            journal.numbers,
-            TABLES,
-            self.network,
-            self._placed,
-        )
+        place(self._items, count, journal.packets, self.network, self._placed, FRAME_ROWS)
         for name in _STEP_FIELDS:
             self._stretches[name][:count] = items[name]
-        columns = self.kind.step(self._stretches, count, self._placed.signals, self._placed.quality)
-        rows = items.tolist()
-        ticks = sum([row[TICKS] for row in rows])
-        return Taken(rows, held(columns, ticks), self)
+        self.kind.step(self._stretches, count, self._placed.signals, self._placed.quality)
+        rows: list[tuple[Any, ...]] = items.tolist()
+        return rows
+
+    def frames(self, pipeline: Pipeline, slot: int, first_tick: int, start: int, stop: int) -> Frames:
+        """Return a copy of what was found in some ticks that wait.
+
+        Parameters
+        ----------
+        pipeline : Pipeline
+        slot : int
+        first_tick : int
+            Number of the first tick wanted.
+        start, stop : int
+            Its row and the one behind the last, from the oldest that waits.
+        """
+        first = slot * FRAME_ROWS
+        return self.kind.frames(pipeline, first_tick, first + start, first + stop)
+
+    def settled(self, slot: int) -> None:
+        """Let the rows of a session's frames be written anew."""
+        self.network.slot[slot]["frame_row"] = 0
 
     def quality(self, row: tuple[Any, ...]) -> NDArray[np.uint8]:
         """Return a copy of a packet's quality, shape (S, K)."""
         at, ticks = row[QUALITY_AT], row[TICKS]
         return self._placed.quality[at : at + self.sensors * ticks].reshape(self.sensors, ticks).copy()
 
-    def blocks(
-        self, taken: Taken, rows: Sequence[tuple[Any, ...]], published_at_s: float
-    ) -> Iterator[PublishedBlock]:
+    def blocks(self, rows: Sequence[tuple[Any, ...]], published_at_s: float) -> Iterator[PublishedBlock]:
         """Yield the block of each packet.
 
         Parameters
         ----------
-        taken : Taken
         rows : sequence of tuple
-            Those of `taken.rows` that are wanted; each has ticks.
+            Those that `take` returned and that are wanted; each has ticks.
         published_at_s : float
             Since the epoch.
         """
@@ -138,11 +127,11 @@ class SessionPool:
         for row in rows:
             places.append((row[TICK_AT], row[TICKS], at))
             at += row[TICKS] * self._width
-        write_blocks(np.array(places, dtype=np.int64), taken.columns, self._numbers)
+        write_blocks(np.array(places, dtype=np.int64), self.kind.columns, self._numbers)
         numbers = self._numbers.data.cast("B")
         for row, (_, ticks, first) in zip(rows, places, strict=True):
             head = block_header(ticks, self._width, row[FIRST_TICK], self._time_step_s, published_at_s)
             yield PublishedBlock(head + numbers[4 * first : 4 * (first + ticks * self._width)])
 
 
-__all__ = ["ITEMS", "SESSIONS", "SessionPool", "Taken", "pool_key"]
+__all__ = ["FRAME_ROWS", "ITEMS", "SESSIONS", "SessionPool", "pool_key"]

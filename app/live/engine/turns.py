@@ -153,11 +153,11 @@ class PooledEngine:
                 self._take_rare(one)
 
     def _take(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
-        taken = pool.take(
+        rows = pool.take(
             self._journal, [lane.slot for _, lane in items], [(one.offset, one.length) for one, _ in items]
         )
         ordinary, watched, rare = [], [], []
-        for (one, lane), row in zip(items, taken.rows, strict=True):
+        for (one, lane), row in zip(items, rows, strict=True):
             if row[STATUS] != ORDINARY:
                 rare.append((one, lane))
                 continue
@@ -165,15 +165,16 @@ class PooledEngine:
             if row[TICKS] and lane.session.is_watched:
                 watched.append((lane, row))
         if watched:
-            blocks = pool.blocks(taken, [row for _, row in watched], time.time())
+            blocks = pool.blocks([row for _, row in watched], time.time())
             for (lane, _), block in zip(watched, blocks, strict=True):
                 lane.session.publish_block(block)
         self.ordinary += len(ordinary)
+        now_s, journal = time.monotonic(), self._journal.bytes
         for one, lane, row in ordinary:
             one.sender.was_right()
-            data = self._journal.bytes[one.offset : one.offset + one.length]
+            message = bytes(journal[one.offset : one.offset + one.length])
             try:
-                lane.took(taken, row, data, one.arrival_s, one.arrival_ns)
+                lane.took(row, message, one.arrival_s, one.arrival_ns, now_s)
             except Exception as error:
                 # One session's fault must not reach the others of its turn.
                 logger.exception("a packet of session %s could not be taken", lane.session.id)

@@ -93,6 +93,11 @@ class GuidanceDesk:
         if trouble:
             add_event("guidance_failed", self._time_s, text=trouble)
 
+    @property
+    def is_following(self) -> bool:
+        """Whether it looks at frames as they come."""
+        return self._following is not None and not self._has_failed
+
     # --- frames -----------------------------------------------------------------------------------------
 
     def see(self, frames: Frames, *, is_counting: bool, is_live: bool) -> None:

@@ -1,7 +1,9 @@
 """The part of a live session that the pooled engine moves on: what is done for packets that compiled code took."""
 
 import contextlib
+import math
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,39 +14,83 @@ from app.live.checks.first_seconds import FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.health import LinkHealth
 from app.live.checks.recent import RecentSamples
-from app.live.engine.lane import Lane
+from app.live.engine.lane import Lane, Parts, TakenPacket
+from app.live.engine.pools import DURATION_US, TIME_US
 from app.live.guidance.desk import GuidanceDesk
 from app.live.session.actuation import Actuation
 from app.live.session.ledger import SequenceLedger
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock, SkewEstimator
-from app.network.raw_packet import RawPacket
+from app.network.packet_run import PacketRun
 from app.sentences import say
-from estimators.pipelines import Frames
+from estimators.pipelines import Frames, Pipeline
 from estimators.recording import Float, ImuChunk
 
 
 class PooledSession(CalibratedSession):
     """A session whose packets come one by one, or many at a time by way of the pooled engine."""
 
+    now: Parts
+    """As they stood when the session was last settled; whoever wants them as they stand asks for `parts`."""
     lane: Lane | None
     """Its place in the pooled engine, once it has one."""
-    clock: PacketClock
-    aligner: Aligner
-    ledger: SequenceLedger
-    skew: SkewEstimator
-    health: LinkHealth
     actuation: Actuation | None
-    last_arrival_s: float
     duplicates: int
     guidance: GuidanceDesk | None
     _forces: ForceWatch | None
     _first_seconds: FirstSeconds
     _has_store_failed: bool
+    _last_arrival_s: float
     _unstored_tick: int
 
     def _cut_off(self, levels: Float) -> None:
         raise NotImplementedError
+
+    @property
+    def parts(self) -> Parts:
+        """What packets move on, with every packet that has been taken."""
+        if self.lane is not None:
+            self.lane.settle()
+        return self.now
+
+    @property
+    def clock(self) -> PacketClock:
+        """Where packets stand in time."""
+        return self.parts.clock
+
+    @property
+    def aligner(self) -> Aligner:
+        """What puts samples on common ticks."""
+        return self.parts.aligner
+
+    @aligner.setter
+    def aligner(self, aligner: Aligner) -> None:
+        self.parts.aligner = aligner
+
+    @property
+    def ledger(self) -> SequenceLedger:
+        """Which packets are here and which are safe."""
+        return self.parts.ledger
+
+    @property
+    def skew(self) -> SkewEstimator:
+        """How fast the device's clock runs."""
+        return self.parts.skew
+
+    @property
+    def health(self) -> LinkHealth:
+        """Of link and sensors."""
+        return self.parts.health
+
+    @property
+    def pipeline(self) -> Pipeline:
+        """The session's estimators."""
+        return self.parts.pipeline
+
+    @property
+    def last_arrival_s(self) -> float:
+        """Monotonic time at which the newest packet came."""
+        return max(self._last_arrival_s, -math.inf if self.lane is None else self.lane.newest_arrival_s)
 
     @property
     def is_plain(self) -> bool:
@@ -72,33 +118,47 @@ class PooledSession(CalibratedSession):
         """Give a block to whoever watches."""
         self._bus.publish(self._topics["blocks"], block)
 
-    def took(self, raw: RawPacket, end_s: float, arrival_s: float) -> None:
-        """Store and count a packet that is not back-filled and was placed in order; `end_s` is its session time."""
-        self.last_arrival_s = arrival_s
-        self.health.add_packet(end_s, arrival_s)
-        self.skew.add(end_s, arrival_s)
-        with contextlib.suppress(Conflict, Unavailable):
-            # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
-            if self._writer.append_packet(self.id, raw):
-                self.ledger.received.add(raw.sequence)
-            else:
-                self.duplicates += 1
+    @property
+    def wants_frames(self) -> bool:
+        """Whether somebody wants the frames of each packet at once."""
+        return (self.guidance is not None and self.guidance.is_following) or self._bus.has_listeners(
+            self._topics["frames"]
+        )
 
-    def after_pooled(self, frames: Frames, ticks: int, chunk: ImuChunk | None) -> None:
-        """Publish and store what the pooled engine found; `chunk` where a sample is less than measured."""
+    def show(self, frames: Frames) -> None:
+        """Give frames to whoever wants them at once."""
         if self._bus.has_listeners(self._topics["frames"]):
             self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
-        if frames.first_tick < self._unstored_tick:
-            self.store_frames(frames)
-        else:
+
+    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
+        """Store and count packets that are not back-filled and were placed in order."""
+        parts = self.now
+        self._last_arrival_s = taken[-1].arrival_s
+        for one in taken:
+            end_s = (one.row[TIME_US] + one.row[DURATION_US]) * 1e-6
+            parts.health.add_packet(end_s, one.arrival_s)
+            parts.skew.add(end_s, one.arrival_s)
+        for run in runs:
             with contextlib.suppress(Conflict, Unavailable):
-                self._writer.append_frames(self.id, self.result_id, frames)
-        self.health.set_flags(frames.layout.segments, frames.segment_flags)
-        if chunk is None:
-            self.health.add_whole(ticks)
-        else:
+                # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
+                self.duplicates += len(run.messages) - self._writer.append_run(self.id, run)
+                parts.ledger.received.add_range(run.first_sequence, run.stop_sequence)
+
+    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
+        """Store and count what the pooled engine found; whoever wants frames at once has seen them.
+
+        `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
+        """
+        health, ticks = self.now.health, frames.tick_count
+        if self.guidance is not None and not self.guidance.is_following:
+            self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
+        self.store_frames(frames)
+        health.set_flags(frames.layout.segments, frames.segment_flags)
+        for count in whole:
+            health.add_whole(count)
+        if chunk is not None:
             self._tell_changes(chunk)
         self._first_seconds.seen(frames.first_tick, frames.first_tick + ticks)
 
@@ -112,20 +172,20 @@ class PooledSession(CalibratedSession):
                 self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
-        changes = self.health.add_chunk(chunk)
+        changes = self.now.health.add_chunk(chunk)
         step_s = chunk.time_step_s
         # All sensors at once are a gap of the link, reported as one below.
-        if changes and len(changes) < max(2, len(self.health.placements)):
+        if changes and len(changes) < max(2, len(self.now.health.placements)):
             for change in changes:
                 kind = "sensor_lost" if change.is_lost else "sensor_back"
                 if not change.is_lost:
                     self._first_seconds.restart(change.placement)
-                    levels = self.aligner.clip_levels.copy()
-                    levels[self.declaration.placements.index(change.placement)] = np.inf
+                    levels = self.now.aligner.clip_levels.copy()
+                    levels[self.now.clock.declaration.placements.index(change.placement)] = np.inf
                     self._cut_off(levels)
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
-        for gap in self.aligner.gaps:
+        for gap in self.now.aligner.gaps:
             if not gap.is_bridged:
                 text = say("live.gap", missing_s=gap.tick_count * step_s)
                 self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
-        self.aligner.gaps.clear()
+        self.now.aligner.gaps.clear()

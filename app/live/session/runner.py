@@ -18,18 +18,15 @@ from app.live.bus import Bus
 from app.live.calibration.device_rows import save_device_constants
 from app.live.checks.first_seconds import ALL_SESSIONS, FirstSeconds
 from app.live.checks.force_watch import ForceWatch
-from app.live.checks.health import LinkHealth
 from app.live.checks.plausibility import Check, check
 from app.live.checks.stray_source import StraySource
+from app.live.engine.lane import Parts
 from app.live.guidance.desk import GuidanceDesk
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
-from app.live.session.ledger import SequenceLedger
 from app.live.session.pooled import PooledSession
 from app.live.session.states import OPEN, STREAMING, streaming_state
-from app.network.alignment import Aligner
-from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import Declaration
 from app.network.packet import Packet, PacketFlag
 from app.network.ranges import SequenceRanges
@@ -88,14 +85,10 @@ class LiveSession(PooledSession):
     ) -> None:
         super().__init__(stored, engine, writer, bus)
         self.stored = stored
-        self.pipeline = pipeline
         self.result_id = result_id
-        self.clock = PacketClock(declaration)
-        self.aligner = Aligner(declaration, first_tick=first_tick)
-        self.ledger = SequenceLedger()
-        self.skew = SkewEstimator()
-        self.health = LinkHealth(declaration.placements, declaration.time_step_s)
-        self.opened_s = self.last_arrival_s = time.monotonic()
+        self.lane = None
+        self.now = Parts(declaration, pipeline, first_tick)
+        self.opened_s = self._last_arrival_s = time.monotonic()
         self.duplicates = 0
         self.is_finished = False
         """Closed, and everything that came is stored."""
@@ -113,7 +106,6 @@ class LiveSession(PooledSession):
         self._stray = StraySource(tell)
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
-        self.lane = None
         self._first_seconds = FirstSeconds(
             declaration.placements,
             declaration.time_step_s,
@@ -162,26 +154,27 @@ class LiveSession(PooledSession):
             raise Conflict(say("live.closed"), state=self.machine.state)
         if self.line.waiting_ticks > self._backlog_ticks:
             raise Unavailable(say("live.behind"), retry_after_s=1, reason="behind")
-        place = self.clock.admit(packet, arrival_s)
+        parts = self.parts
+        place = parts.clock.admit(packet, arrival_s)
         if not self._writer.append_packet(self.id, RawPacket.from_packet(packet, arrival_ns, place.sequence)):
             self.duplicates += 1
             return False
-        self.ledger.received.add(place.sequence)
-        self.last_arrival_s = arrival_s
-        declaration = self.clock.declaration
+        parts.ledger.received.add(place.sequence)
+        self._last_arrival_s = arrival_s
+        declaration = parts.clock.declaration
         if declaration is not self._saved_declaration:
             # A new clock epoch.
-            self.skew.reset()
+            parts.skew.reset()
             self._save_declaration()
         is_live = not packet.flags & _BACKFILLED
         if is_live:
             end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
-            self.health.add_packet(end_s, arrival_s)
-            self.skew.add(end_s, arrival_s)
+            parts.health.add_packet(end_s, arrival_s)
+            parts.skew.add(end_s, arrival_s)
         if self.machine.state == "link_lost":
             self._link_back()
         if self.line.is_running:
-            chunk = self.aligner.push(packet, place.sequence, place.time_us)
+            chunk = parts.aligner.push(packet, place.sequence, place.time_us)
             if chunk is not None:
                 self.line.push(chunk, arrival_s if is_live else None)
         return True
@@ -199,14 +192,14 @@ class LiveSession(PooledSession):
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=arrival_s is not None)
         if arrival_s is not None:
-            self.health.latencies_s.append(time.monotonic() - arrival_s)
+            self.now.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:
             self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
         if chunk.coil_state is not None or self.actuation is not None:
             allowed = None if self.actuation is None else self.actuation.is_allowed
             self._stray.add(chunk, self.declaration.placements, allowed)
         self.store_frames(frames)
-        self.health.set_flags(frames.layout.segments, frames.segment_flags)
+        self.now.health.set_flags(frames.layout.segments, frames.segment_flags)
         self._tell_changes(chunk)
         if self._forces is not None:
             for change in self._forces.add(frames):
@@ -295,7 +288,7 @@ class LiveSession(PooledSession):
     def connected(self) -> None:
         """Enter the streaming state: a gateway said hello."""
         self.clock.begin_connection()
-        self.last_arrival_s = time.monotonic()
+        self._last_arrival_s = time.monotonic()
         if self.machine.state in {"created", "link_lost"}:
             self._link_back()
 
@@ -378,7 +371,7 @@ class LiveSession(PooledSession):
 
     def on_durable(self, durable: SequenceRanges) -> None:
         """Take the committed set; called from the writer's thread."""
-        self._loop.call_soon_threadsafe(setattr, self.ledger, "durable", durable)
+        self._loop.call_soon_threadsafe(setattr, self.now.ledger, "durable", durable)
 
     def on_store_failure(self, error: TelemotionError) -> None:
         """Stop: nothing of this session can be stored any more; called from the writer's thread."""
@@ -396,6 +389,8 @@ class LiveSession(PooledSession):
     async def finish(self) -> None:
         """Estimate what still waits, then store everything; the state is `closing` before."""
         self._calibration.end()
+        if self.lane is not None:
+            self.lane.settle()
         self.silent()
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))

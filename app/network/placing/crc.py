@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiling import compiled
+from estimators.kernels import borrowing
 
 _POLYNOMIAL: Final = 0xEDB88320
 
@@ -27,7 +27,7 @@ TABLES: Final = _tables()
 """The CRC of each byte with 0 to 7 bytes of zero behind it."""
 
 
-@compiled("u4(u1[::1], i8, i8, u4, u4[:, ::1])")
+@borrowing("u4(u1[::1], i8, i8, u4, u4[:, ::1])")
 def crc32(
     data: NDArray[np.uint8], start: int, stop: int, before: np.uint32, tables: NDArray[np.uint32]
 ) -> np.uint32:

@@ -22,21 +22,32 @@ from app.network.packet import (
     PacketFlag,
 )
 from app.network.placing.crc import crc32
-from app.network.placing.slot import ITEM, MOST_TICKS, ORDINARY, RARE, SLOT, SNAP_TICKS, Network, Placed
+from app.network.placing.slot import (
+    ITEM,
+    MOST_TICKS,
+    ORDINARY,
+    RARE,
+    SLOT,
+    SNAP_TICKS,
+    Network,
+    Packets,
+    Placed,
+)
 from app.network.unpack_kernel import unpack
 from estimators.compiling import compiled
-from estimators.kernels import VOID, Record, bundle, rows, step
+from estimators.kernels import VOID, Record, borrowing, bundle, rows
 from estimators.recording import Float, SampleQuality
 
 _MAGIC: Final = int.from_bytes(MAGIC, "little")
 _CLIPPED: Final = int(PacketFlag.SATURATED)
 _FLOAT32, _INT16 = 0, 1
 _BRIDGED, _MISSING = int(SampleQuality.BRIDGED), int(SampleQuality.MISSING)
+_NUMBERS, _QUALITIES = types.float64[::1], types.uint8[::1]
 _LONGEST_GAP_US: Final = 1_000_000
 """A later packet leaves a gap that the general way fills, or starts another clock."""
 
 
-@compiled("u8(u1[::1], i8, i8)")
+@borrowing("u8(u1[::1], i8, i8)")
 def _number(data: NDArray[np.uint8], start: int, size: int) -> np.uint64:
     """Return `size` bytes as a number, little endian."""
     value = np.uint64(0)
@@ -45,12 +56,10 @@ def _number(data: NDArray[np.uint8], start: int, size: int) -> np.uint64:
     return value
 
 
-@step()
-def _has_place(
-    item: Record, x: Record, journal: NDArray[np.uint8], tables: NDArray[np.uint32], sensors: int, width: int
-) -> bool:
+@borrowing()
+def _has_place(item: Record, x: Record, packets: Packets, sensors: int, width: int) -> bool:
     """Check header, order and clock, and note them in the item; True when the packet comes next in its session."""
-    at, size = item.offset, item.length
+    at, size, journal, tables = item.offset, item.length, packets.data, packets.tables
     if size < HEADER_BYTES or _number(journal, at, 4) != np.uint64(_MAGIC):
         return False
     ticks, mask, encoding, flags = (
@@ -91,69 +100,46 @@ def _has_place(
     return True
 
 
-@step()
+@borrowing()
 def _unpacked(
     s: int,
     x: Record,
     item: Record,
-    journal: NDArray[np.uint8],
-    counts: NDArray[np.int16],
-    numbers: NDArray[np.float32],
+    packets: Packets,
     network: Network,
+    ones: Float,
     signals: Float,
     quality: NDArray[np.uint8],
 ) -> None:
     """Unpack the item's values at the ticks of the device."""
-    channels, sensors, ticks, _ = signals.shape
+    channels, sensors, ticks = signals.shape[0], signals.shape[1], signals.shape[2]
     width, at = 3 * channels, item.offset + HEADER_BYTES
-    is_clipped = journal[item.offset + 9] == _CLIPPED
+    is_clipped = packets.data[item.offset + 9] == _CLIPPED
     size = ticks * sensors * width
-    if journal[item.offset + 8] == _INT16:
-        sent = counts[at // 2 : at // 2 + size].reshape((ticks, sensors, width))
-        scale, clip = x.scale[:channels].copy(), x.count_clip.copy()
-        unpack(
-            sent,
-            scale,
-            clip,
-            network.clip_levels[s],
-            is_clipped,
-            0,
-            x.stuck_ticks,
-            network.last_sent[s],
-            network.same_ticks[s],
-            signals,
-            quality,
-        )
+    levels, last, same = network.clip_levels[s], network.last_sent[s], network.same_ticks[s]
+    if packets.data[item.offset + 8] == _INT16:
+        sent = packets.counts[at // 2 : at // 2 + size].reshape((ticks, sensors, width))
+        scale, clip = x.scale[:channels], x.count_clip[:]
+        unpack(sent, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
     else:
-        given = numbers[at // 4 : at // 4 + size].reshape((ticks, sensors, width))
-        unpack(
-            given,
-            np.ones(channels),
-            x.clip.copy(),
-            network.clip_levels[s],
-            is_clipped,
-            0,
-            x.stuck_ticks,
-            network.last_sent[s],
-            network.same_ticks[s],
-            signals,
-            quality,
-        )
+        given = packets.numbers[at // 4 : at // 4 + size].reshape((ticks, sensors, width))
+        scale, clip = ones[:channels], x.clip[:]
+        unpack(given, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
 
 
-@step()
-def _are_usable(item: Record, journal: NDArray[np.uint8], numbers: NDArray[np.float32]) -> bool:
+@borrowing()
+def _are_usable(item: Record, packets: Packets) -> bool:
     """Whether every number sent as it is can be one."""
-    if journal[item.offset + 8] == _INT16:
+    if packets.data[item.offset + 8] == _INT16:
         return True
     first = (item.offset + HEADER_BYTES) // 4
     for k in range(first, first + (item.length - HEADER_BYTES) // 4):  # noqa: SIM110 - compiled as it stands
-        if not abs(numbers[k]) <= VALUE_LIMIT:
+        if not abs(packets.numbers[k]) <= VALUE_LIMIT:
             return False
     return True
 
 
-@step()
+@borrowing()
 def _interpolated(
     position: Float,
     first: int,
@@ -188,7 +174,7 @@ def _interpolated(
             quality[s, k] = flag
 
 
-@step()
+@borrowing()
 def _keep_last(s: int, x: Record, network: Network, signals: Float, rows_known: int) -> None:
     """Carry on the last rows of samples."""
     ticks = signals.shape[2]
@@ -201,7 +187,7 @@ def _keep_last(s: int, x: Record, network: Network, signals: Float, rows_known: 
     x.rows_known = rows_known
 
 
-@step()
+@borrowing()
 def _remember(s: int, item: Record, network: Network, signals: Float, quality: NDArray[np.uint8]) -> None:
     """Write the ticks into the ring of the newest, and say whether one of them is less than measured."""
     length = network.recent.shape[3]
@@ -217,21 +203,19 @@ def _remember(s: int, item: Record, network: Network, signals: Float, quality: N
                     network.recent[s, c, i, at, a] = signals[c, i, k, a]
 
 
-@step()
+@borrowing()
 def _on_grid(position: float, spacing: float, ticks: int) -> bool:
     first = np.rint(position)
     drift = (ticks - 1) * (spacing - 1.0)
     return not (abs(position - first) > SNAP_TICKS or abs(position + drift - first) > SNAP_TICKS)
 
 
-@step()
+@borrowing()
 def _between(
     s: int,
     item: Record,
     x: Record,
-    journal: NDArray[np.uint8],
-    counts: NDArray[np.int16],
-    numbers: NDArray[np.float32],
+    packets: Packets,
     network: Network,
     placed: Placed,
     position: float,
@@ -241,7 +225,7 @@ def _between(
     channels, sensors, ticks = network.last_rows.shape[1], network.last_rows.shape[2], item.ticks
     if x.rows_known == 0 or position - x.last_position - 1.0 > x.bridge_ticks:
         return False
-    places = np.empty(ticks + 1)
+    places = placed.places[: ticks + 1]
     places[0] = x.last_position
     for k in range(ticks):
         places[k + 1] = position + spacing * k
@@ -257,17 +241,22 @@ def _between(
         # A tick in a stretch this wide is bridged, and a step back is none of ours.
         if places[k + 1] - places[k] > limit or places[k + 1] <= places[k]:
             return False
-    sent = np.empty((channels, sensors, ticks + 1, 3))
-    sent_quality = np.zeros((sensors, ticks + 1), dtype=np.uint8)
-    own, own_quality = np.empty((channels, sensors, ticks, 3)), np.empty((sensors, ticks), dtype=np.uint8)
-    _unpacked(s, x, item, journal, counts, numbers, network, own, own_quality)
+    samples = sensors * ticks
+    sent = placed.sent[: 3 * channels * (samples + sensors)].reshape((channels, sensors, ticks + 1, 3))
+    sent_quality = placed.sent_quality[: samples + sensors].reshape((sensors, ticks + 1))
+    own = placed.own[: 3 * channels * samples].reshape((channels, sensors, ticks, 3))
+    own_quality = placed.own_quality[:samples].reshape((sensors, ticks))
+    _unpacked(s, x, item, packets, network, placed.ones, own, own_quality)
     for c in range(channels):
         for i in range(sensors):
             for a in range(3):
                 sent[c, i, 0, a] = network.last_rows[s, c, i, 1, a]
                 for k in range(ticks):
                     sent[c, i, k + 1, a] = own[c, i, k, a]
-    sent_quality[:, 1:] = own_quality
+    for i in range(sensors):
+        sent_quality[i, 0] = 0
+        for k in range(ticks):
+            sent_quality[i, k + 1] = own_quality[i, k]
     item.first_tick, item.ticks = x.next_tick, max(count, 0)
     x.last_position = last
     _keep_last(s, x, network, own, 1)
@@ -281,14 +270,12 @@ def _between(
     return True
 
 
-@step()
+@borrowing()
 def _placed(
     s: int,
     item: Record,
     x: Record,
-    journal: NDArray[np.uint8],
-    counts: NDArray[np.int16],
-    numbers: NDArray[np.float32],
+    packets: Packets,
     network: Network,
     placed: Placed,
 ) -> bool:
@@ -297,13 +284,13 @@ def _placed(
     position = item.time_us / x.step_us
     spacing = (item.duration_us // ticks) / x.step_us
     if not _on_grid(position, spacing, ticks):
-        return _between(s, item, x, journal, counts, numbers, network, placed, position, spacing)
+        return _between(s, item, x, packets, network, placed, position, spacing)
     if int(np.rint(position)) != x.next_tick:
         return False
     total = channels * sensors * ticks * 3
     signals = placed.signals[item.signals_at : item.signals_at + total].reshape((channels, sensors, ticks, 3))
     quality = placed.quality[item.quality_at : item.quality_at + sensors * ticks].reshape((sensors, ticks))
-    _unpacked(s, x, item, journal, counts, numbers, network, signals, quality)
+    _unpacked(s, x, item, packets, network, placed.ones, signals, quality)
     item.first_tick = x.next_tick
     x.next_tick += ticks
     x.last_position = x.next_tick - 1.0
@@ -311,14 +298,48 @@ def _placed(
     return True
 
 
+@borrowing()
+def _take(
+    item: Record, x: Record, packets: Packets, network: Network, placed: Placed, frame_rows: int
+) -> None:
+    """Place one packet, or leave it to the general way; so does one whose frames might find no room."""
+    s = item.slot
+    channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
+    was_blocked, x.is_blocked = x.is_blocked, 1
+    if (
+        was_blocked
+        or x.frame_row + MOST_TICKS > frame_rows
+        or not _has_place(item, x, packets, sensors, 3 * channels)
+    ):
+        item.ticks = 0
+        return
+    if not _are_usable(item, packets) or not _placed(s, item, x, packets, network, placed):
+        item.ticks = 0
+        return
+    item.status, x.is_blocked = ORDINARY, 0
+    item.tick_at = s * frame_rows + x.frame_row
+    x.frame_row += item.ticks
+    item.next_tick, item.last_position, item.rows_known = x.next_tick, x.last_position, x.rows_known
+    x.next_sequence = item.sequence + 1
+    x.highest_time_us, x.highest_duration_us = item.time_us, item.duration_us
+    if item.ticks > 0:
+        first, at, samples = item.signals_at, item.quality_at, sensors * item.ticks
+        _remember(
+            s,
+            item,
+            network,
+            placed.signals[first : first + 3 * channels * samples].reshape(
+                (channels, sensors, item.ticks, 3)
+            ),
+            placed.quality[at : at + samples].reshape((sensors, item.ticks)),
+        )
+
+
 @compiled(
     VOID(
         rows(ITEM),
         types.int64,
-        types.uint8[::1],
-        types.int16[::1],
-        types.float32[::1],
-        types.uint32[:, ::1],
+        bundle(Packets, types.uint8[::1], types.int16[::1], types.float32[::1], types.uint32[:, ::1]),
         bundle(
             Network,
             rows(SLOT),
@@ -329,18 +350,17 @@ def _placed(
             types.float64[:, :, :, :, ::1],
             types.uint8[:, :, ::1],
         ),
-        bundle(Placed, types.float64[::1], types.uint8[::1]),
+        bundle(Placed, _NUMBERS, _QUALITIES, _NUMBERS, _QUALITIES, _NUMBERS, _QUALITIES, _NUMBERS, _NUMBERS),
+        types.int64,
     )
 )
 def place(
     items: NDArray[np.void],
     count: int,
-    journal: NDArray[np.uint8],
-    counts: NDArray[np.int16],
-    numbers: NDArray[np.float32],
-    tables: NDArray[np.uint32],
+    packets: Packets,
     network: Network,
     placed: Placed,
+    frame_rows: int,
 ) -> None:
     """Place the packets of a turn, in their order.
 
@@ -350,49 +370,22 @@ def place(
         Of sessions of one pool; a session may come more than once. Filled from `status` on.
     count : int
         How many items there are.
-    journal : ndarray of uint8
-        Holds the packets.
-    counts, numbers : ndarray of int16 and float32
-        The same memory.
-    tables : ndarray of uint32, shape (8, 256)
-        `crc.TABLES`.
+    packets : Packets
     network : Network
         Carried on for the sessions of ordinary packets.
     placed : Placed
         Written from its start on.
+    frame_rows : int
+        How many rows for frames each session has.
     """
     channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
-    signals_at = quality_at = tick_at = 0
+    samples = 0
     for n in range(count):
         item = items[n]
-        s = item.slot
-        x = network.slot[s]
         item.status, item.ticks, item.is_flawed = RARE, 0, 0
-        item.signals_at, item.quality_at, item.tick_at = signals_at, quality_at, tick_at
-        was_blocked, x.is_blocked = x.is_blocked, 1
-        if was_blocked or not _has_place(item, x, journal, tables, sensors, 3 * channels):
-            continue
-        if not _are_usable(item, journal, numbers):
-            continue
-        if not _placed(s, item, x, journal, counts, numbers, network, placed):
-            item.ticks = 0
-            continue
-        item.status, x.is_blocked = ORDINARY, 0
-        item.next_tick, item.last_position, item.rows_known = x.next_tick, x.last_position, x.rows_known
-        x.next_sequence = item.sequence + 1
-        x.highest_time_us, x.highest_duration_us = item.time_us, item.duration_us
-        if item.ticks > 0:
-            total = channels * sensors * item.ticks * 3
-            signals = placed.signals[signals_at : signals_at + total].reshape(
-                (channels, sensors, item.ticks, 3)
-            )
-            quality = placed.quality[quality_at : quality_at + sensors * item.ticks].reshape(
-                (sensors, item.ticks)
-            )
-            _remember(s, item, network, signals, quality)
-            signals_at += total
-            quality_at += sensors * item.ticks
-            tick_at += item.ticks
+        item.signals_at, item.quality_at, item.tick_at = 3 * channels * samples, samples, 0
+        _take(item, network.slot[item.slot], packets, network, placed, frame_rows)
+        samples += sensors * item.ticks
 
 
 __all__ = ["place"]

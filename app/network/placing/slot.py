@@ -38,6 +38,8 @@ SLOT: Final = record(
         ("scale", "f8", 3),
         ("clip", "f8", 2),
         ("count_clip", "f8", 2),
+        # Row, among those of the session, for the frames of the next tick.
+        ("frame_row", "i8"),
         # A rare packet came in this turn: those behind it take the general way too.
         ("is_blocked", "i8"),
     ]
@@ -60,7 +62,7 @@ ITEM: Final = record(
         ("rows_known", "i8"),
         ("first_tick", "i8"),
         ("ticks", "i8"),
-        # First value in `Placed.signals`, first quality in `Placed.quality`, first tick in what a step writes.
+        # First value in `Placed.signals`, first quality in `Placed.quality`, row for the frames of the first tick.
         ("signals_at", "i8"),
         ("quality_at", "i8"),
         ("tick_at", "i8"),
@@ -99,17 +101,48 @@ class Network(NamedTuple):
     recent_quality: NDArray[np.uint8]
 
 
+class Packets(NamedTuple):
+    """Where packets lie, and what checks them.
+
+    Attributes
+    ----------
+    data : ndarray of uint8
+    counts, numbers : ndarray of int16 and float32
+        The same memory.
+    tables : ndarray of uint32, shape (8, 256)
+        `crc.TABLES`.
+    """
+
+    data: NDArray[np.uint8]
+    counts: NDArray[np.int16]
+    numbers: NDArray[np.float32]
+    tables: NDArray[np.uint32]
+
+
 class Placed(NamedTuple):
     """Samples of all items of a turn at common ticks, one after the other; shapes (C, S, K, 3) and (S, K) each.
+
+    The rest is room for one packet between the common ticks: its samples with the one before it, its own, where they
+    are; and a scale for numbers that are sent as they are.
 
     Attributes
     ----------
     signals : ndarray, shape (values,)
     quality : ndarray of uint8, shape (samples,)
+    sent, own : ndarray, shape (values of a packet,)
+    sent_quality, own_quality : ndarray of uint8, shape (samples of a packet,)
+    places : ndarray, shape (MOST_TICKS + 1,)
+    ones : ndarray, shape (3,)
     """
 
     signals: Float
     quality: NDArray[np.uint8]
+    sent: Float
+    sent_quality: NDArray[np.uint8]
+    own: Float
+    own_quality: NDArray[np.uint8]
+    places: Float
+    ones: Float
 
 
 def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) -> Network:
@@ -125,6 +158,21 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) 
     )
 
 
+def room_for(channels: int, sensors: int, most_ticks: int) -> Placed:
+    """Return room for a turn of so many common ticks."""
+    samples, packet = sensors * most_ticks, sensors * (MOST_TICKS + 1)
+    return Placed(
+        np.empty(3 * channels * samples),
+        np.empty(samples, dtype=np.uint8),
+        np.empty(3 * channels * packet),
+        np.empty(packet, dtype=np.uint8),
+        np.empty(3 * channels * packet),
+        np.empty(packet, dtype=np.uint8),
+        np.empty(MOST_TICKS + 1),
+        np.ones(3),
+    )
+
+
 __all__ = [
     "ITEM",
     "MOST_TICKS",
@@ -133,6 +181,8 @@ __all__ = [
     "SLOT",
     "SNAP_TICKS",
     "Network",
+    "Packets",
     "Placed",
     "network_rows",
+    "room_for",
 ]

@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from itertools import chain, groupby
-from typing import Any
+from typing import Any, cast
 
 from app.database.base import new_id, utc_now
 from app.errors import TelemotionError
+from app.network.packet_run import PacketRun
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.signals.chunks import (
@@ -17,6 +18,7 @@ from app.recordings.signals.chunks import (
     EncodedChunk,
     encode_frames,
     encode_packets,
+    encode_runs,
     frames_stream,
 )
 from estimators.pipelines._contract import Frames
@@ -31,7 +33,7 @@ FailureCallback = Callable[[TelemotionError], None]
 class Batch:
     """What one commit takes from one session; held unchanged when the commit must be repeated."""
 
-    packets: list[RawPacket]
+    packets: list[RawPacket | PacketRun]
     frame_parts: list[tuple[str, Frames]]
     events: list[dict[str, Any]]
     waiting: list[Future[SequenceRanges]]
@@ -60,8 +62,8 @@ class Batch:
         """
         if self.is_encoded:
             return next_chunk
-        for packets in _packet_groups(self.packets):
-            self.raw.append((next_chunk, encode_packets(packets)))
+        for chunk in _encoded_packets(self.packets):
+            self.raw.append((next_chunk, chunk))
             next_chunk += 1
         self.frames = [
             (frames_stream(result_id), encode_frames(*parts, stride=stride))
@@ -96,7 +98,7 @@ class OpenSession:
     next_chunk: int
     on_durable: DurableCallback | None
     on_failure: FailureCallback | None
-    packets: list[RawPacket] = field(default_factory=list)
+    packets: list[RawPacket | PacketRun] = field(default_factory=list)
     frame_parts: list[tuple[str, Frames]] = field(default_factory=list)
     events: list[dict[str, Any]] = field(default_factory=list)
     waiting: list[Future[SequenceRanges]] = field(default_factory=list)
@@ -125,6 +127,14 @@ class OpenSession:
         """Take a packet of `size` bytes."""
         self.seen.add(packet.sequence)
         self.packets.append(packet)
+        self.size += size
+        if self.oldest_s is None:
+            self._begin()
+
+    def add_run(self, run: PacketRun, size: int) -> None:
+        """Take a run of packets of `size` bytes."""
+        self.seen.add_range(run.first_sequence, run.stop_sequence)
+        self.packets.append(run)
         self.size += size
         if self.oldest_s is None:
             self._begin()
@@ -166,6 +176,20 @@ class OpenSession:
         self.packets, self.frame_parts, self.events, self.waiting = [], [], [], []
         self.size = 0
         return waiting
+
+
+def _encoded_packets(packets: list[RawPacket | PacketRun]) -> Iterable[EncodedChunk]:
+    kinds = set(map(type, packets))
+    if kinds == {PacketRun}:
+        runs = cast(list[PacketRun], packets)
+        if len({one.shape for one in runs}) == 1 and sum([one.tick_count for one in runs]) <= MAX_CHUNK_TICKS:
+            # The common case; no packet is looked at by itself.
+            yield encode_runs(runs)
+            return
+    if PacketRun in kinds:
+        each = [one.packets() if isinstance(one, PacketRun) else [one] for one in packets]
+        packets = list(chain.from_iterable(each))
+    yield from map(encode_packets, _packet_groups(cast(list[RawPacket], packets)))
 
 
 def _packet_groups(packets: list[RawPacket]) -> Iterable[list[RawPacket]]:

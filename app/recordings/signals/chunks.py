@@ -9,13 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import InvalidInput
-from app.network.ranges import ranges_of
+from app.network.packet import HEADER_BYTES
+from app.network.packet_run import HEAD_COLUMNS, PacketRun
+from app.network.ranges import SequenceRanges, ranges_of
 from app.network.raw_packet import COUNTS, WIDTH, RawPacket
 from app.recordings.models import SignalChunk
 from app.recordings.signals import codecs, frame_codec
@@ -24,16 +26,11 @@ from app.recordings.signals.packet_kernel import pack_packets, unpack_packets
 from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
 
-if TYPE_CHECKING:
-    # The wire format's messages name types of this room; at run time the arrow must not close a circle.
-    pass
-
 RAW_STREAM: Final = "raw"
 COUNTS_CODEC: Final = "int16-rice/1"
 _HEAD: Final = attrgetter(
     "sequence", "device_time_us", "tick_interval_us", "tick_count", "flags", "arrival_ns"
 )
-_HEAD_COLUMNS: Final = 6
 MAX_CHUNK_TICKS: Final = 4096
 
 
@@ -75,30 +72,43 @@ def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
     """Encode packets of one `shape_key`, in the given order, as one chunk."""
     first = packets[0]
     # Read without a sign: a device's clock may use all 64 bits.
-    fields = np.fromiter(chain.from_iterable(map(_HEAD, packets)), np.uint64, len(packets) * _HEAD_COLUMNS)
-    heads = fields.view(np.int64).reshape(-1, _HEAD_COLUMNS)
-    payload = bytearray().join([packet.payload for packet in packets])
-    ticks = sum([packet.tick_count for packet in packets])
-    values_per_tick = len(payload) // (ticks * WIDTH[first.encoding])
-    scale = {
-        "packets": len(packets),
-        "ranges": ranges_of([packet.sequence for packet in packets]),
+    fields = np.fromiter(chain.from_iterable(map(_HEAD, packets)), np.uint64, len(packets) * HEAD_COLUMNS)
+    shape = {
         "sensor_count": first.sensor_count,
         "channel_mask": first.channel_mask,
         "encoding": first.encoding,
-        "values_per_tick": values_per_tick,
+        "values_per_tick": first.values_per_tick,
     }
-    if first.encoding == COUNTS:
+    ranges = ranges_of([packet.sequence for packet in packets])
+    heads = fields.view(np.int64).reshape(-1, HEAD_COLUMNS)
+    return _encoded(heads, [packet.payload for packet in packets], ranges, shape)
+
+
+def encode_runs(runs: Sequence[PacketRun]) -> EncodedChunk:
+    """Encode runs of one shape, in the given order, as one chunk: the same as of their packets."""
+    ranges = SequenceRanges((one.first_sequence, one.stop_sequence) for one in runs)
+    payload = [message[HEADER_BYTES:] for one in runs for message in one.messages]
+    heads = np.concatenate([one.heads() for one in runs])
+    return _encoded(heads, payload, list(ranges), runs[0].described())
+
+
+def _encoded(
+    heads: NDArray[np.int64], payloads: list[bytes], ranges: list[tuple[int, int]], shape: dict[str, int]
+) -> EncodedChunk:
+    payload = bytearray().join(payloads)
+    ticks, encoding, values_per_tick = int(heads[:, 3].sum()), shape["encoding"], shape["values_per_tick"]
+    scale: dict[str, Any] = {"packets": len(heads), "ranges": ranges, **shape}
+    if encoding == COUNTS:
         codec = COUNTS_CODEC
         counts = np.frombuffer(payload, "<i2").reshape(ticks, values_per_tick)
-        words = np.empty(room_words(len(heads), _HEAD_COLUMNS) + room_words(*counts.shape), np.uint32)
+        words = np.empty(room_words(len(heads), HEAD_COLUMNS) + room_words(*counts.shape), np.uint32)
         data = words[: pack_packets(words, heads, counts)].tobytes()
     else:
         codec = codecs.FLOATS_CODEC
         head = codecs.encode_integers(heads)
         data = head + codecs.encode_floats(np.frombuffer(payload, "<f4").reshape(ticks, values_per_tick))
         scale["head_bytes"] = len(head)
-    return EncodedChunk(first.arrival_ns, ticks, codec, scale, codecs.checksum(data), data)
+    return EncodedChunk(int(heads[0, 5]), ticks, codec, scale, codecs.checksum(data), data)
 
 
 def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
@@ -137,7 +147,7 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
     scale, data = chunk.scale, chunk.data
     shape = chunk.ticks, scale["values_per_tick"]
     if chunk.codec == COUNTS_CODEC:
-        heads, counts = np.empty((scale["packets"], _HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
+        heads, counts = np.empty((scale["packets"], HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
         words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
         if len(data) % 4 or not unpack_packets(words, heads, counts):
             raise codecs.DamagedChunkError(say("stored.cut_off"))
@@ -149,7 +159,7 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
         table = codecs.decode_floats(data[split:], *shape)
     else:
         raise codecs.DamagedChunkError(say("stored.codec", codec=chunk.codec))
-    return codecs.decode_integers(data[:split], scale["packets"], _HEAD_COLUMNS), table
+    return codecs.decode_integers(data[:split], scale["packets"], HEAD_COLUMNS), table
 
 
 def _check(chunk: EncodedChunk | SignalChunk) -> None:

@@ -32,6 +32,7 @@ from sqlalchemy import Engine, func, select
 from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 
 from app.errors import Conflict, TelemotionError, Unavailable
+from app.network.packet_run import PacketRun
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.models import SignalChunk
@@ -188,6 +189,18 @@ class GroupCommitWriter:
             session.add_packet(packet, size)
             self._count_queued(size)
             return True
+
+    def append_run(self, session_id: str, run: PacketRun) -> int:
+        """Take packets that came one after the other; return how many are new. Raises as `append_packet`."""
+        size = run.size + 128 * len(run.messages)
+        with self._mutex:
+            session = self._open(session_id)
+            if run.first_sequence <= session.seen.highest:
+                return sum([self.append_packet(session_id, packet) for packet in run.packets()])
+            self._make_sure_there_is_room(session, size)
+            session.add_run(run, size)
+            self._count_queued(size)
+            return len(run.messages)
 
     def has_room(self, session_id: str) -> bool:
         """Whether packets and frames of a session are taken, with room to spare."""
@@ -400,7 +413,7 @@ class GroupCommitWriter:
             session.attempts = 0
             session.durable.update(batch.ranges)
             self.metrics.queued_bytes -= batch.size
-            self.metrics.packets_stored += len(batch.packets)
+            self.metrics.packets_stored += sum([int(chunk.scale["packets"]) for _, chunk in batch.raw])
             self.metrics.frame_ticks_stored += sum([chunk.ticks for _, chunk in batch.frames])
             chunks = [chunk for _, chunk in chain(batch.raw, batch.frames)]
             self.metrics.chunks_written += len(chunks)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.compiling import compiled
+from estimators.kernels import borrowing
 from estimators.recording import Float
 
 Flags = NDArray[np.uint8]
@@ -117,7 +117,7 @@ def compose_python(
             sigma_room[k, s, 2] = about_z
 
 
-compose = compiled(
+compose = borrowing(
     "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],f8[:,::1],f8[:,::1],"
     "f8[:,::1],u1[::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1])"
 )(compose_python)

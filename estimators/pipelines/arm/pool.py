@@ -16,6 +16,7 @@ from estimators.recording import Float
 
 STRETCH_TICKS: Final = 64
 """Most ticks of a stretch: those of the longest packet, and one more off the grid."""
+_STORED: Final = Columns._fields.index("segment_sigma_rad")
 _NONE: Final = np.empty(0, dtype=np.int64)
 
 
@@ -33,11 +34,11 @@ class ArmPool:
         Two, or three with a magnetometer.
     sessions : int
         Rows for so many.
-    most_ticks : int
-        What one call of `step` may hold, over all its stretches.
+    rows : int
+        Of `columns`.
     """
 
-    def __init__(self, like: ArmPipeline, channels: int, sessions: int, most_ticks: int) -> None:
+    def __init__(self, like: ArmPipeline, channels: int, sessions: int, rows: int) -> None:
         network, model, mass = like._network, like._model, like._mass
         assert isinstance(network._filter, TelemotionEstimator)
         assert model is not None
@@ -56,7 +57,7 @@ class ArmPool:
         )
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
         self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)
-        self._columns = columns(most_ticks, self.layout)
+        self.columns = columns(rows, self.layout)
 
     @staticmethod
     def key(pipeline: Pipeline) -> Hashable | None:
@@ -138,30 +139,20 @@ class ArmPool:
 
     def step(
         self, stretches: NDArray[np.void], count: int, signals: Float, quality: NDArray[np.uint8]
-    ) -> Columns:
+    ) -> None:
         """Take the next ticks of some sessions; see `Pool.step`."""
-        step_arms(stretches, count, signals, quality, self.rows, self._tables, self._work, self._columns)
-        return self._columns
+        step_arms(stretches, count, signals, quality, self.rows, self._tables, self._work, self.columns)
 
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
         """Carry on what a pipeline knows beside its rows; see `Pool.stepped`."""
         network = pipeline._network  # type: ignore[attr-defined]
         network._next_tick = network._filter._guard.next_tick = next_tick
 
-    def frames(self, pipeline: Pipeline, found: Columns, first_tick: int, start: int, stop: int) -> Frames:
-        """Return some rows as frames; see `Pool.frames`."""
-        return Frames(
-            self.layout,
-            first_tick,
-            self._time_step_s,
-            found.q_room_segment[start:stop],
-            found.point_room_m[start:stop],
-            found.angle_rad[start:stop],
-            found.angle_sigma_rad[start:stop],
-            found.scalar[start:stop],
-            found.segment_flags[start:stop],
-            found.angle_flags[start:stop],
-        )
+    def frames(self, pipeline: Pipeline, first_tick: int, start: int, stop: int) -> Frames:
+        """Return a copy of some rows as frames; see `Pool.frames`."""
+        # As stored live: angles carry their own sigma.
+        found: Any = [values[start:stop].copy() for values in self.columns[:_STORED]]
+        return Frames(self.layout, first_tick, self._time_step_s, *found)
 
 
 def _moved(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:

@@ -66,12 +66,12 @@ def pooled(pool: ArmPool, parts: list[tuple[int, ArmPipeline, ImuChunk]]) -> lis
         fields = (chunk.gyroscope_radps, chunk.accelerometer_mps2, chunk.magnetometer_t)
         values.append(np.stack(fields).ravel())
         quality.append(np.ascontiguousarray(chunk.quality).ravel())
-    columns = pool.step(stretches, len(parts), np.concatenate(values), np.concatenate(quality))
+    pool.step(stretches, len(parts), np.concatenate(values), np.concatenate(quality))
     found = []
     for one, (_, pipeline, chunk) in zip(stretches, parts, strict=True):
         pool.stepped(pipeline, chunk.first_tick + chunk.tick_count)
         start = int(one["tick_at"])
-        found.append(pool.frames(pipeline, columns, chunk.first_tick, start, start + chunk.tick_count))
+        found.append(pool.frames(pipeline, chunk.first_tick, start, start + chunk.tick_count))
     return found
 
 

@@ -1,0 +1,128 @@
+"""Packets that came one after the other, as they came: what a live session gives to the store many at a time."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.network.packet import HEADER_BYTES
+from app.network.raw_packet import WIDTH, RawPacket
+
+_SENSORS, _TICKS, _MASK, _ENCODING, _FLAGS = 4, 5, slice(6, 8), 8, 9
+_SHAPE: Final = slice(_SENSORS, _FLAGS)
+"""Sensors, ticks, channels and encoding, in the bytes of a packet."""
+_HEAD: Final = np.dtype(
+    {
+        "names": ["tick_count", "flags", "device_time_us", "tick_interval_us"],
+        "formats": ["u1", "u1", "<u8", "<u4"],
+        "offsets": [_TICKS, _FLAGS, 16, 24],
+        "itemsize": HEADER_BYTES,
+    }
+)
+HEAD_COLUMNS: Final = 6
+"""Sequence, device time, tick interval, ticks, flags and arrival of a packet, in this order."""
+
+
+@dataclass(slots=True)
+class PacketRun:
+    """Packets with consecutive sequences and of one shape. Treat as immutable.
+
+    Attributes
+    ----------
+    first_sequence : int
+        Of the first packet; may go on above 32 bits where the sender's counter wrapped.
+    messages : list of bytes
+        Whole packets of the wire format, checked.
+    arrivals_ns : list of int
+        Server clock when each arrived, ns since the epoch.
+    """
+
+    first_sequence: int
+    messages: list[bytes]
+    arrivals_ns: list[int]
+
+    @property
+    def stop_sequence(self) -> int:
+        """Sequence behind the last packet."""
+        return self.first_sequence + len(self.messages)
+
+    @property
+    def shape(self) -> tuple[int, bytes]:
+        """Length, sensors, ticks, channels and encoding, which all its packets have in common."""
+        first = self.messages[0]
+        return len(first), first[_SHAPE]
+
+    @property
+    def size(self) -> int:
+        """Bytes of its packets."""
+        return len(self.messages) * len(self.messages[0])
+
+    @property
+    def tick_count(self) -> int:
+        """Ticks of all packets."""
+        return len(self.messages) * self.messages[0][_TICKS]
+
+    def packets(self) -> list[RawPacket]:
+        """Return the packets one by one."""
+        heads = self.heads().tolist()
+        first = self.messages[0]
+        sensors, mask, encoding = first[_SENSORS], int.from_bytes(first[_MASK], "little"), first[_ENCODING]
+        return [
+            RawPacket(
+                sequence,
+                device_us % 2**64,
+                interval_us,
+                sensors,
+                ticks,
+                mask,
+                encoding,
+                flags,
+                message[HEADER_BYTES:],
+                arrival_ns,
+            )
+            for (sequence, device_us, interval_us, ticks, flags, arrival_ns), message in zip(
+                heads, self.messages, strict=True
+            )
+        ]
+
+    def heads(self) -> NDArray[np.int64]:
+        """Return what the heads hold, shape (P, HEAD_COLUMNS); a device's clock of 64 bits without its sign."""
+        read = np.frombuffer(b"".join([one[:HEADER_BYTES] for one in self.messages]), _HEAD)
+        found = np.empty((len(self.messages), HEAD_COLUMNS), np.int64)
+        found[:, 0] = np.arange(self.first_sequence, self.stop_sequence)
+        found[:, 1] = read["device_time_us"].view(np.int64)
+        found[:, 2], found[:, 3], found[:, 4] = read["tick_interval_us"], read["tick_count"], read["flags"]
+        found[:, 5] = self.arrivals_ns
+        return found
+
+    def values_per_tick(self) -> int:
+        """Return how many numbers a tick has, over all sensors."""
+        first = self.messages[0]
+        return (len(first) - HEADER_BYTES) // (first[_TICKS] * WIDTH[first[_ENCODING]])
+
+    def described(self) -> dict[str, int]:
+        """Return what the columns of a chunk say of the shape of its packets."""
+        first = self.messages[0]
+        return {
+            "sensor_count": first[_SENSORS],
+            "channel_mask": int.from_bytes(first[_MASK], "little"),
+            "encoding": first[_ENCODING],
+            "values_per_tick": self.values_per_tick(),
+        }
+
+
+def runs_of(first_sequence: int, messages: list[bytes], arrivals_ns: list[int]) -> list[PacketRun]:
+    """Return packets with consecutive sequences as runs of one shape each."""
+    shapes = [(len(one), one[_SHAPE]) for one in messages]
+    if len(set(shapes)) == 1:
+        return [PacketRun(first_sequence, messages, arrivals_ns)]
+    starts = [0, *(n for n in range(1, len(shapes)) if shapes[n] != shapes[n - 1]), len(shapes)]
+    return [
+        PacketRun(first_sequence + start, messages[start:stop], arrivals_ns[start:stop])
+        for start, stop in pairwise(starts)
+    ]
+
+
+__all__ = ["HEAD_COLUMNS", "PacketRun", "runs_of"]
