@@ -25,13 +25,13 @@ def with_elbows(setup: SessionSetup, pose_s: tuple[float, float], pieces: Iterab
     SessionSetup
         The same where there is nothing to tell; see `estimators.pipelines.refine_elbows`.
     """
-    if setup.pipeline != "arm" or not pipelines.elbows_to_refine(setup):
-        return setup
-    pipeline = pipelines.create(replace(setup, constrain_joint_headings=False))
-    parts = [part for piece in pieces if (part := pipelines.elbow_poses(pipeline.step(piece))).tick_count]
-    if not parts:
-        return setup
-    return pipelines.refine_elbows(pipelines.concatenate(parts), setup, 0.5 * (pose_s[0] + pose_s[1]))
+    if pipelines.elbows_to_refine(setup):
+        pipeline = pipelines.create(replace(setup, constrain_joint_headings=False))
+        parts = [part for piece in pieces if (part := pipelines.elbow_poses(pipeline.step(piece))).tick_count]
+        if parts:
+            middle_s = 0.5 * (pose_s[0] + pose_s[1])
+            setup = pipelines.refine_elbows(pipelines.concatenate(parts), setup, middle_s)
+    return setup
 
 
 __all__ = ["with_elbows"]

@@ -7,7 +7,7 @@ from app.kinds.arm.elbows import with_elbows
 from app.kinds.arm.series import SERIES
 from app.recordings.analysis.heading_line import HeadingLine, with_first_headings
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, estimated, pieces_of, posed, smoothed
+from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
@@ -26,25 +26,15 @@ class ArmKind(SessionKind):
     def analyse(self, wanted: Wanted) -> Analysis:
         """Find the pose where the setup has no calibration, then estimate; elbows and headings from all of it."""
         context, setup, pose_s, resets = wanted.context, wanted.setup, wanted.pose_s, wanted.resets
-        known = smoothed(context, setup)
-        setup, pose_s, message = posed(context, setup, pose_s, known, search=wanted.search_pose)
+        pieces = smoothed(context, setup)
+        setup, pose_s, message = posed(setup, pose_s, pieces, search=wanted.search_pose)
         if setup.calibration is not None and pose_s is not None:
-            setup = with_elbows(setup, pose_s, pieces_of(context, setup, known))
+            setup = with_elbows(setup, pose_s, pieces)
         if setup.calibration is not None and setup.calibration.unknown_headings:
-            setup, resets = with_first_headings(setup, resets, pieces_of(context, setup, known))
+            setup, resets = with_first_headings(setup, resets, pieces)
         line = HeadingLine(pipelines.create(setup), resets if setup.calibration is not None else ())
-        found = estimated(
-            context,
-            line,
-            pieces_of(context, setup, known),
-            message=message,
-            progress_from=wanted.progress_from,
-        )
-        return replace(
-            found,
-            pose_s=pose_s if setup.calibration is not None else None,
-            learnt=known.learnt if known is not None else {},
-        )
+        found = estimated(context, line, pieces, message=message, progress_from=wanted.progress_from)
+        return replace(found, pose_s=pose_s if setup.calibration is not None else None, learnt=pieces.learnt)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
         """Stand in the pose, be calibrated, and go on, as somebody who follows a template does."""

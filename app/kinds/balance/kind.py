@@ -7,7 +7,7 @@ from typing import Final
 from app.kinds.balance.trials import CONDITIONS, REST
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, estimated, pieces_of, posed, smoothed
+from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
 from app.sentences import say
 from estimators import pipelines
@@ -24,17 +24,11 @@ class BalanceKind(SessionKind):
     def analyse(self, wanted: Wanted) -> Analysis:
         """Find the pose where the setup has no calibration, then estimate."""
         context = wanted.context
-        known = smoothed(context, wanted.setup)
-        setup, pose_s, message = posed(context, wanted.setup, wanted.pose_s, known, search=wanted.search_pose)
+        pieces = smoothed(context, wanted.setup)
+        setup, pose_s, message = posed(wanted.setup, wanted.pose_s, pieces, search=wanted.search_pose)
         line = HeadingLine(pipelines.create(setup), wanted.resets if setup.calibration is not None else ())
-        found = estimated(
-            context,
-            line,
-            pieces_of(context, setup, known),
-            message=message,
-            progress_from=wanted.progress_from,
-        )
-        return replace(found, pose_s=pose_s, learnt=known.learnt if known is not None else {})
+        found = estimated(context, line, pieces, message=message, progress_from=wanted.progress_from)
+        return replace(found, pose_s=pose_s, learnt=pieces.learnt)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
         """Stand in the pose, be calibrated, and go on."""

@@ -18,7 +18,7 @@ from app.network.declaration import Declaration
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, estimated, whole
+from app.recordings.analysis.offline import Analysis, StoredSession, estimated
 from app.recordings.analysis.still import still
 from app.recordings.models import MotionSession
 from app.recordings.schemas import SessionIn
@@ -46,7 +46,7 @@ class MagneticKind(SessionKind):
         """Smooth the whole session."""
         context, setup = wanted.context, wanted.setup
         context.progress(0.0, say("progress.smoothing"))
-        pieces = SmoothedModules(whole(context, setup), setup)
+        pieces = SmoothedModules(StoredSession(context, setup), setup)
         line = HeadingLine(pipelines.create(setup), ())
         return estimated(context, line, pieces, smoothed=True, progress_from=wanted.progress_from)
 
@@ -54,7 +54,7 @@ class MagneticKind(SessionKind):
         """Analyse a source on one shoe as a walk as well; the message of that result says what failed."""
         if set(setup.placements) != set(FEET):
             return
-        pieces = list(whole(context, setup))
+        pieces = list(StoredSession(context, setup))
         if not pieces:
             return
         try:

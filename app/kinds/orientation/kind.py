@@ -5,7 +5,7 @@ from typing import Final
 
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, estimated, pieces_of, smoothed
+from app.recordings.analysis.offline import Analysis, estimated, smoothed
 from app.recordings.analysis.still import still
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
@@ -23,10 +23,10 @@ class OrientationKind(SessionKind):
     def analyse(self, wanted: Wanted) -> Analysis:
         """Estimate, smoothed where the setup names a smoother."""
         context, setup = wanted.context, wanted.setup
-        known = smoothed(context, setup)
+        pieces = smoothed(context, setup)
         line = HeadingLine(pipelines.create(setup), ())
-        found = estimated(context, line, pieces_of(context, setup, known), progress_from=wanted.progress_from)
-        return replace(found, learnt=known.learnt if known is not None else {})
+        found = estimated(context, line, pieces, progress_from=wanted.progress_from)
+        return replace(found, learnt=pieces.learnt)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
         """Lie still."""

@@ -10,7 +10,7 @@ from app.kinds.walk.analysis import follow_feet
 from app.kinds.walk.shoes import store_shoes
 from app.readers import as_feet
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, whole
+from app.recordings.analysis.offline import Analysis, StoredSession
 from app.recordings.analysis.still import still
 from app.sentences import say
 from estimators import pipelines
@@ -32,7 +32,7 @@ class WalkKind(SessionKind):
         """Follow the feet over the whole walk, with forces and centre of mass where they were measured."""
         context, setup = wanted.context, wanted.setup
         context.progress(wanted.progress_from, say("progress.reading_walk"))
-        return follow_feet(context, setup, whole(context, setup), wanted.progress_from)
+        return follow_feet(context, setup, StoredSession(context, setup), wanted.progress_from)
 
     def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
         """Store the load cells of instrumented shoes; the feet remain."""

@@ -21,6 +21,7 @@ from estimators.pipelines import Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
 
 _TELL_MOUNTING: Final = ("n_pose", "t_pose", "functional", "passive")
+"""Calibrations that set the mountings; headings set anew and biases found later leave them in force."""
 
 
 @dataclass(frozen=True)
@@ -55,25 +56,39 @@ class HeadingReset:
         )
 
 
-def resets_in_force(session: Session, session_id: str) -> tuple[HeadingReset, ...]:
-    """Return the resets since the mounting in force was set, earliest first."""
+def calibration_in_force(
+    session: Session, session_id: str
+) -> tuple[tuple[float, float] | None, tuple[HeadingReset, ...]]:
+    """Return the calibration events that the analysis makes again.
+
+    Returns
+    -------
+    pose_s : (float, float) or None
+        Half-open session time of the standing pose in force; None where something else set the mounting. A T-pose or
+        movements are not evaluated anew: mountings do not depend on the filter, and with a compass the facing does not
+        either.
+    resets : tuple of HeadingReset
+        Since the mounting in force was set, earliest first.
+    """
     events = session.scalars(
         select(SessionEvent)
         .where(SessionEvent.session_id == session_id, SessionEvent.kind == "calibration")
         .where(SessionEvent.duration_s > 0)
         .order_by(SessionEvent.time_s.desc())
     )
+    pose_s: tuple[float, float] | None = None
     found: list[HeadingReset] = []
     for event in events:
         details = event.details or {}
         kind = details.get("kind", "n_pose")
         if kind in _TELL_MOUNTING:
+            pose_s = (event.time_s, event.time_s + event.duration_s) if kind == "n_pose" else None
             break
         # Of sessions from before resets were made again it is not known what they set.
         if kind == "heading_reset" and "before" in details:
             stop_s = event.time_s + event.duration_s
             found.append(HeadingReset(event.time_s, stop_s, tuple(details["placements"]), details["before"]))
-    return tuple(reversed(found))
+    return pose_s, tuple(reversed(found))
 
 
 class HeadingLine:
@@ -160,4 +175,4 @@ def with_first_headings(
     return line.pipeline.setup, line.waiting
 
 
-__all__ = ["HeadingLine", "HeadingReset", "resets_in_force", "with_first_headings"]
+__all__ = ["HeadingLine", "HeadingReset", "calibration_in_force", "with_first_headings"]

@@ -92,15 +92,13 @@ def aligned(
     if missing:
         raise InvalidInput(say("session.no_sensor", places=missing), field="placements")
     recording = stored_recording(source, session_id, hello, placements)
+    rows = [sent.index(name) for name in placements]
     if recording is not None:
         yield from ticks_of(recording, piece_ticks)
-        return
-    if list(placements) == sent:
+    elif list(placements) == sent:
         yield from align_chunks(packets, hello, piece_ticks)
-        return
-    rows = [sent.index(name) for name in placements]
-    for piece in align_chunks(packets, hello, piece_ticks):
-        yield piece.sensors(rows)
+    else:
+        yield from (piece.sensors(rows) for piece in align_chunks(packets, hello, piece_ticks))
 
 
 def estimated(
@@ -157,35 +155,36 @@ def estimated(
     return Analysis(result_id, ticks, setup, None, message)
 
 
-def smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession | None:
-    """Return the whole session smoothed where the setup names a smoother, else None."""
-    if not pipelines.is_offline(setup):
-        return None
-    context.progress(0.0, say("progress.smoothing"))
-    return SmoothedSession(whole(context, setup), setup)
+class StoredSession:
+    """A whole stored session with the sensors of a setup, from its first tick on, as often as it is gone through."""
+
+    def __init__(self, context: JobContext, setup: SessionSetup) -> None:
+        self._context, self._placements = context, setup.placements
+        self.learnt: dict[Placement, DeviceConstants] = {}
+        """Only a smoother teaches something about the sensors."""
+
+    def __iter__(self) -> Iterator[ImuChunk]:
+        """Read it, piece by piece."""
+        with read_only(self._context.engine) as session:
+            hello = session.get_one(MotionSession, self._context.session_id).hello
+        yield from aligned(self._context.engine, self._context.session_id, hello, self._placements)
 
 
-def pieces_of(context: JobContext, setup: SessionSetup, known: SmoothedSession | None) -> Iterable[ImuChunk]:
-    """Return the whole session from its first tick on, smoothed where that was done."""
-    return whole(context, setup) if known is None else known
-
-
-def whole(context: JobContext, setup: SessionSetup) -> Iterator[ImuChunk]:
-    """Yield a whole stored session from its first tick on, with the sensors of a setup."""
-    with read_only(context.engine) as session:
-        hello = session.get_one(MotionSession, context.session_id).hello
-    return aligned(context.engine, context.session_id, hello, setup.placements)
+def smoothed(context: JobContext, setup: SessionSetup) -> StoredSession | SmoothedSession:
+    """Return the whole session, smoothed where the setup names a smoother."""
+    stored: StoredSession | SmoothedSession = StoredSession(context, setup)
+    if pipelines.is_offline(setup):
+        context.progress(0.0, say("progress.smoothing"))
+        stored = SmoothedSession(stored, setup)
+    return stored
 
 
 def calibrated(
-    context: JobContext,
-    setup: SessionSetup,
-    pose_s: tuple[float, float] | None,
-    known: SmoothedSession | None = None,
+    setup: SessionSetup, pose_s: tuple[float, float] | None, pieces: Iterable[ImuChunk]
 ) -> tuple[SessionSetup, tuple[float, float]]:
     """Run up to the end of the pose and evaluate it there; return the calibrated setup and the pose.
 
-    `known` is the session smoothed, where the setup names a smoother.
+    `pieces` are the whole session, as its result will be estimated.
 
     Raises
     ------
@@ -193,10 +192,7 @@ def calibrated(
         No usable pose, with what to do.
     """
     limit_s = _POSE_SEARCH_S if pose_s is None else pose_s[1]
-    limit = round(limit_s * setup.rate_hz)
-    chunk = beginning(context, setup, limit) if known is None else known.until(limit)
-    if chunk is None:
-        raise CalibrationError(say("session.no_packets"))
+    chunk = beginning(pieces, round(limit_s * setup.rate_hz))
     if pose_s is None:
         first, stop = pipelines.find_pose(chunk)
     else:
@@ -210,10 +206,9 @@ def calibrated(
 
 
 def posed(
-    context: JobContext,
     setup: SessionSetup,
     pose_s: tuple[float, float] | None,
-    known: SmoothedSession | None = None,
+    pieces: Iterable[ImuChunk],
     *,
     search: bool = False,
 ) -> tuple[SessionSetup, tuple[float, float] | None, str]:
@@ -228,35 +223,33 @@ def posed(
     message : str
         Why there is no calibration; empty where there is one.
     """
-    if setup.calibration is not None:
-        return setup, pose_s, ""
-    if pose_s is None and not search:
-        return setup, None, say("session.no_pose")
-    try:
-        return *calibrated(context, setup, pose_s, known), ""
-    except CalibrationError as error:
-        return setup, None, say("session.not_calibrated_because", reason=error.message)
+    message = ""
+    if setup.calibration is None and pose_s is None and not search:
+        message = say("session.no_pose")
+    elif setup.calibration is None:
+        try:
+            setup, pose_s = calibrated(setup, pose_s, pieces)
+        except CalibrationError as error:
+            pose_s, message = None, say("session.not_calibrated_because", reason=error.message)
+    return setup, pose_s, message
 
 
-def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
-    """Return the first ticks of the session as one chunk; None if there are none.
+def beginning(pieces: Iterable[ImuChunk], tick_count: int) -> ImuChunk:
+    """Return the first ticks of a session as one chunk.
 
-    Parameters
-    ----------
-    context : JobContext
-    setup : SessionSetup
-        Names the sensors wanted.
-    tick_count : int
+    Raises
+    ------
+    CalibrationError
+        It has none.
     """
-    pieces: list[ImuChunk] = []
-    for piece in whole(context, setup):
-        pieces.append(piece)
+    taken: list[ImuChunk] = []
+    for piece in pieces:
+        taken.append(piece)
         if piece.first_tick + piece.tick_count >= tick_count:
             break
-    if not pieces:
-        return None
-    chunk = ImuChunk.join(pieces)
-    return chunk.ticks(0, min(tick_count, chunk.tick_count))
+    if not taken:
+        raise CalibrationError(say("session.no_packets"))
+    return ImuChunk.join(taken).ticks(0, tick_count)
 
 
 def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iterator[ImuChunk]:
@@ -270,7 +263,7 @@ def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iter
     length_s : float
     """
     pieces: list[ImuChunk] = []
-    for piece in whole(context, setup):
+    for piece in StoredSession(context, setup):
         pieces.append(piece)
         if sum(one.tick_count for one in pieces) * piece.time_step_s >= length_s:
             yield ImuChunk.join(pieces)
@@ -281,14 +274,13 @@ def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iter
 
 __all__ = [
     "Analysis",
+    "StoredSession",
     "aligned",
     "beginning",
     "calibrated",
     "decoded",
     "estimated",
-    "pieces_of",
     "posed",
     "smoothed",
     "stretches",
-    "whole",
 ]

@@ -4,22 +4,18 @@ Earlier results stay; a new one names the versions and parameters it was made wi
 """
 
 from dataclasses import replace
-from typing import Final
 
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.database.unit_of_work import read_only, unit_of_work
-from app.recordings.analysis.heading_line import resets_in_force
+from app.recordings.analysis.heading_line import calibration_in_force
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import Wanted, kind_of
 from app.recordings.analysis.offline import Analysis
 from app.recordings.analysis.smoothing import remember, smoother_for
-from app.recordings.models import Job, MotionSession, SessionEvent
+from app.recordings.models import Job, MotionSession
 from app.recordings.signals.store import stored_ranges
 from estimators.pipelines import SessionSetup
-
-_TELL_MOUNTING: Final = ("t_pose", "functional", "passive")
 
 
 def reprocess(context: JobContext) -> str:
@@ -32,8 +28,7 @@ def reprocess(context: JobContext) -> str:
     with read_only(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         setup = SessionSetup.from_dict(found.setup)
-        pose_s = _last_pose(session, found.id)
-        resets = resets_in_force(session, found.id)
+        pose_s, resets = calibration_in_force(session, found.id)
     if resets and setup.calibration is not None:
         # Each holds from its own moment on; the analysis makes them again.
         setup = replace(setup, calibration=resets[0].undone(setup.calibration))
@@ -76,27 +71,6 @@ def count_session(session: Session, found: MotionSession, analysis: Analysis) ->
     found.packets_stored = len(stored)
     found.packets_missing = stored.missing_count
     found.duration_s = analysis.ticks / float(found.setup["rate_hz"])
-
-
-def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
-    """Return the stretch of the standing pose in force; None where something else set the mounting.
-
-    A T-pose or movements are not evaluated anew: mountings do not depend on the filter, and with a compass the
-    facing does not either. Headings set anew and biases found later leave the pose in force.
-    """
-    events = session.scalars(
-        select(SessionEvent)
-        .where(SessionEvent.session_id == session_id, SessionEvent.kind == "calibration")
-        .where(SessionEvent.duration_s > 0)
-        .order_by(SessionEvent.time_s.desc())
-    )
-    for event in events:
-        kind = (event.details or {}).get("kind", "n_pose")
-        if kind == "n_pose":
-            return event.time_s, event.time_s + event.duration_s
-        if kind in _TELL_MOUNTING:
-            return None
-    return None
 
 
 __all__ = ["count_session", "enqueue_comparison", "reprocess"]

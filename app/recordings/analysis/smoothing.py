@@ -45,18 +45,6 @@ class SmoothedSession:
             yield self._with_orientation(piece, start, stop)
             start = stop
 
-    def until(self, tick_count: int) -> SmoothedChunk | None:
-        """Return the first ticks as one chunk; None if there are none."""
-        first, ticks = [], 0
-        for piece in self._pieces:
-            if ticks >= tick_count:
-                break
-            first.append(piece)
-            ticks += piece.tick_count
-        if not first:
-            return None
-        return self._with_orientation(ImuChunk.join(first), 0, ticks).ticks(0, min(ticks, tick_count))
-
     def _with_orientation(self, piece: ImuChunk, start: int, stop: int) -> SmoothedChunk:
         if self._found is None:
             raise ValueError("a session without pieces has no orientation")

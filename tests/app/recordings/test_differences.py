@@ -12,7 +12,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotFound
 from app.recordings import service
 from app.recordings.analysis.differences import differences
-from app.recordings.analysis.reprocess import _last_pose
+from app.recordings.analysis.heading_line import calibration_in_force
 from app.recordings.analysis.sequences import in_sequence
 from app.recordings.models import Job, Result, SessionEvent
 from app.recordings.schemas import ReprocessAllIn
@@ -164,7 +164,7 @@ def test_only_a_standing_pose_in_force_is_evaluated_anew(
                 )
             )
     with read_only(engine) as session:
-        assert _last_pose(session, session_id) == expected
+        assert calibration_in_force(session, session_id)[0] == expected
 
 
 def test_a_joint_in_another_sequence_with_its_singular_distance(

@@ -12,7 +12,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.recordings.analysis.heading_line import (
     HeadingLine,
     HeadingReset,
-    resets_in_force,
+    calibration_in_force,
     with_first_headings,
 )
 from app.recordings.models import SessionEvent
@@ -106,7 +106,7 @@ def test_resets_before_the_mounting_in_force_are_over(
                 )
             )
     with read_only(engine) as session:
-        resets = resets_in_force(session, session_id)
+        _, resets = calibration_in_force(session, session_id)
     assert [(one.start_s, one.stop_s, one.placements) for one in resets] == [
         (30.0, 33.0, ARM[1:]),
         (50.0, 53.0, ARM[1:]),
