@@ -2,7 +2,7 @@
 import { Button, UnstyledButton } from '@mantine/core';
 import { IconBluetooth, IconDeviceMobile, IconRouter } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
-import { lazy, type ReactNode, Suspense, useState } from 'react';
+import { lazy, Suspense, useEffect, useState, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
 import { api } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
@@ -11,10 +11,12 @@ import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
 import { PlainProblem } from '../pages/mine/PlainProblem';
 import { Phone } from './phone';
+import { isMeasuring } from './registry';
 import { type Owner, SensorRun } from './run';
 import { SensorFault } from './source';
 import { SensorStatus } from './SensorStatus';
 import './sensors.css';
+import { giveUpTurn, isTurnElsewhere, takeTurn } from './turn';
 import { useRun } from './useRun';
 
 type Way = 'phone' | 'bluetooth' | 'box';
@@ -94,10 +96,12 @@ function WithPhone({
       const phone = new Phone();
       await phone.start();
       try {
+        await takeTurn();
         const joined = await sessionFor(session, place);
-        return { joined, run: SensorRun.withPhone(phone, ownerOf(joined, me.account_id), place) };
+        return { joined, run: await SensorRun.withPhone(phone, ownerOf(joined, me.account_id), place) };
       } catch (error) {
         phone.stop();
+        if (!isMeasuring()) giveUpTurn();
         throw error;
       }
     },
@@ -135,7 +139,7 @@ function WithBluetooth({ session, onRun }: { session: SessionDetail; onRun: (run
   const [run, snapshot, show] = useRun(session.id);
   const choose = useMutation({
     mutationFn: async (place: Placement) => {
-      const one = run ?? SensorRun.withBluetooth(ownerOf(session, me.account_id), places);
+      const one = run ?? (await SensorRun.withBluetooth(ownerOf(session, me.account_id), places));
       show(one);
       await one.choose(place);
       if (one.getSnapshot().gateway) onRun(one);
@@ -177,6 +181,21 @@ function WithBluetooth({ session, onRun }: { session: SessionDetail; onRun: (run
   );
 }
 
+const LOOK_MS = 2000;
+
+/** Whether another window measures, looked at while this one could begin. */
+function useElsewhere(isAsked: boolean): boolean {
+  const [isElsewhere, setElsewhere] = useState(false);
+  useEffect(() => {
+    if (!isAsked) return;
+    const look = () => void isTurnElsewhere().then(setElsewhere, () => setElsewhere(false));
+    look();
+    const again = setInterval(look, LOOK_MS);
+    return () => clearInterval(again);
+  }, [isAsked]);
+  return isAsked && isElsewhere;
+}
+
 /**
  * For the page of a live session. Until something measures here it shows how to begin with the clinic's box, and the
  * other ways; then what is stored and sent.
@@ -195,8 +214,16 @@ export default function ConnectSensors({
   const [run, snapshot, setRun] = useRun(session.id);
   const [way, setWay] = useState<Way | null>(null);
   const place = phonePlace(session);
+  const isElsewhere = useElsewhere(isWaiting && !snapshot?.gateway);
   if (run && snapshot?.gateway) return <SensorStatus run={snapshot} />;
   if (!isWaiting) return null;
+  if (isElsewhere)
+    return (
+      <section className="card" role="status">
+        <h2>{t('sensors.elsewhere')}</h2>
+        <p>{t('sensors.fault.otherWindow')}</p>
+      </section>
+    );
   if (way === null)
     return (
       <>

@@ -1,5 +1,5 @@
 // What an earlier exercise left on this device: sent as soon as there is a connection, and said until it is.
-import { useCallback, useEffect, useState, useSyncExternalStore } from 'react';
+import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { Confirm } from '../components/forms/Confirm';
 import { t } from '../i18n';
@@ -9,10 +9,17 @@ import { measuringFor } from './registry';
 import { secondsText } from './SensorStatus';
 import { registerShell } from './shell';
 import './sensors.css';
+import { isTurnElsewhere } from './turn';
 
-/** The sessions that have packets here and are not measured by this page at this moment. */
-async function leftovers(accountId: string): Promise<StoredNetwork[]> {
+const LOOK_MS = 10_000;
+
+/**
+ * The sessions that have packets here and are not measured at this moment; null while another window measures, which
+ * would be cut off if this one sent for its session.
+ */
+async function leftovers(accountId: string): Promise<StoredNetwork[] | null> {
   if (typeof indexedDB === 'undefined') return [];
+  if (await isTurnElsewhere()) return null;
   const store = await PacketStore.open();
   const found: StoredNetwork[] = [];
   for (const network of await store.sessions(accountId)) {
@@ -72,12 +79,24 @@ function Sending({ network, onDone }: { network: StoredNetwork; onDone: () => vo
 /** For the patient's first page; shows nothing while nothing is left. */
 export default function Unsent() {
   const me = useSignedIn();
+  const [looks, setLooks] = useState(0);
   const [left, setLeft] = useState<StoredNetwork[]>([]);
+  const again = useRef<ReturnType<typeof setTimeout>>(undefined);
   const look = useCallback(() => {
-    // A browser that stores nothing has nothing left.
-    leftovers(me.account_id).then(setLeft, () => setLeft([]));
+    clearTimeout(again.current);
+    leftovers(me.account_id).then(
+      (found) => {
+        setLeft(found ?? []);
+        if (found === null) again.current = setTimeout(() => setLooks((looks) => looks + 1), LOOK_MS);
+      },
+      // A browser that stores nothing has nothing left.
+      () => setLeft([]),
+    );
   }, [me.account_id]);
-  useEffect(look, [look]);
+  useEffect(() => {
+    look();
+    return () => clearTimeout(again.current);
+  }, [look, looks]);
   useEffect(registerShell, []);
   return left.map((one) => <Sending key={one.sessionId} network={one} onDone={look} />);
 }

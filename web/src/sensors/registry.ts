@@ -10,9 +10,14 @@ export interface Measuring {
 let measuring: Measuring | null = null;
 
 export function setMeasuring(one: Measuring | null): void {
-  // One at a time: what measured before ends.
-  if (one) measuring?.stop();
+  const before = measuring;
   measuring = one;
+  // One at a time: what measured before ends.
+  if (one) before?.stop();
+}
+
+export function isMeasuring(): boolean {
+  return measuring !== null;
 }
 
 export function measuringFor(sessionId: string): Measuring | null {

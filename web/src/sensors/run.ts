@@ -6,6 +6,7 @@ import { BrowserGateway, type GatewaySnapshot } from './gateway/browserGateway';
 import type { StoredNetwork } from './gateway/store';
 import type { Phone } from './phone';
 import { measuringFor, setMeasuring } from './registry';
+import { giveUpTurn, takeTurn } from './turn';
 
 export interface RunSnapshot {
   kind: 'phone' | 'bluetooth';
@@ -49,8 +50,12 @@ export class SensorRun {
     return found instanceof SensorRun ? found : null;
   }
 
-  /** With a phone that measures already: it was asked in the answer to a tap. */
-  static withPhone(phone: Phone, owner: Owner, placement: Placement): SensorRun {
+  /**
+   * With a phone that measures already: it was asked in the answer to a tap. Rejects with a `SensorFault` while another
+   * window measures.
+   */
+  static async withPhone(phone: Phone, owner: Owner, placement: Placement): Promise<SensorRun> {
+    await takeTurn();
     const run = new SensorRun('phone', owner, [placement]);
     run.#phone = phone;
     run.#send(phone.rateHz, phone.device);
@@ -58,7 +63,9 @@ export class SensorRun {
     return run;
   }
 
-  static withBluetooth(owner: Owner, placements: readonly Placement[]): SensorRun {
+  /** Rejects with a `SensorFault` while another window measures. */
+  static async withBluetooth(owner: Owner, placements: readonly Placement[]): Promise<SensorRun> {
+    await takeTurn();
     return new SensorRun('bluetooth', owner, placements);
   }
 
@@ -87,7 +94,9 @@ export class SensorRun {
     this.#phone?.stop();
     for (const sensor of this.#worn.values()) void sensor.stop();
     this.#gateway?.close();
-    if (measuringFor(this.sessionId)) setMeasuring(null);
+    if (measuringFor(this.sessionId) !== this) return;
+    setMeasuring(null);
+    giveUpTurn();
   };
 
   async settled(withinMs: number): Promise<boolean> {

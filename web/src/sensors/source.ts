@@ -14,6 +14,7 @@ export type FaultCode =
   | 'notOurs'
   | 'radioOff'
   | 'cut'
+  | 'otherWindow'
   | 'failed';
 
 export class SensorFault extends Error {

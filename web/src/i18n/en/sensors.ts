@@ -53,6 +53,7 @@ export const sensors = {
   'sensors.unsentSending': '{seconds} of an earlier exercise are being sent to your clinic.',
   'sensors.unsentWaiting':
     '{seconds} of an earlier exercise are stored on this device. They are sent as soon as there is a connection.',
+  'sensors.elsewhere': 'You are measuring in another window',
   'sensors.unsentOver':
     '{seconds} of an earlier exercise came too late: it has ended. They stay on this device until you delete them.',
   'sensors.unsentDelete': 'Delete from this device',
@@ -74,5 +75,7 @@ export const sensors = {
   'sensors.fault.radioOff': 'Bluetooth is off or not allowed. Switch it on, allow it for this page, then try again.',
   'sensors.fault.cut':
     'This device takes only a part of what the sensor sends, so it cannot be used. Try another phone, or use the box from your clinic.',
+  'sensors.fault.otherWindow':
+    'Another window or tab is measuring already. Go on there, or close it and try again here.',
   'sensors.fault.failed': 'That did not work. Switch the sensor off and on, then try again.',
 } as const;
