@@ -27,7 +27,12 @@ _AGREES = 22.46
 _STEP = 0.05
 """Share by which the moment is changed to see what that does to a fix."""
 _VELOCITY = slice(at.E_VELOCITY, at.E_VELOCITY + 3)
+_ATTITUDE = slice(at.E_ATTITUDE, at.E_ATTITUDE + 3)
+_NOMINAL_ATTITUDE = slice(at.ATTITUDE, at.ATTITUDE + 4)
 _POSE = np.r_[at.E_POSITION : at.E_POSITION + 3, at.E_ATTITUDE : at.E_ATTITUDE + 3]
+# Columns of a pulse of a burst; see `layout.BURST_COLUMNS`.
+_PULSE_VALUE, _PULSE_PLACE, _PULSE_ATTITUDE = slice(0, 3), slice(3, 6), slice(6, 10)
+_PULSE_CURRENT, _PULSE_TICK = 10, 11
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ def start_from_burst(
 
 def _correct(burst: _Burst, nominal: Float, covariance: Float, memory: Float) -> bool:
     """Correct by a fix as by a measurement of the pose; false, with nothing changed, if it must not be."""
-    if math.sqrt(float(np.trace(covariance[6:9, 6:9]))) > _WELL_KNOWN_RAD:
+    if math.sqrt(float(np.trace(covariance[_ATTITUDE, _ATTITUDE]))) > _WELL_KNOWN_RAD:
         return False
     gain, error, h = _gain(burst.fix, burst.estimate_m, burst.ago_s, nominal, covariance)
     inverse = np.linalg.inv(h @ covariance @ h.T + burst.fix.covariance)
@@ -177,11 +182,11 @@ def _solve(
     rows = memory[at.BURST : at.BURST + 3 * at.BURST_COLUMNS].reshape(3, at.BURST_COLUMNS)
     started = bool(counters[at.STARTED])
     here = nominal[at.POSITION : at.POSITION + 3].copy()
-    back = (counters[at.TICK] - 1 - rows[:, 11]) * settings[at.TIME_STEP]
+    back = (counters[at.TICK] - 1 - rows[:, _PULSE_TICK]) * settings[at.TIME_STEP]
     ago_s, last, turned = 0.0, None, None
     if started:
         ago_s, last = float(back.mean()), here
-        turned = rotation.multiply(rotation.conjugate(nominal[at.ATTITUDE : at.ATTITUDE + 4]), rows[:, 6:10])
+        turned = rotation.multiply(rotation.conjugate(nominal[_NOMINAL_ATTITUDE]), rows[:, _PULSE_ATTITUDE])
         if np.trace(covariance[:3, :3]) > (_LOST_SHARE * np.linalg.norm(here)) ** 2:
             last = usual_place_m
     direction = np.asarray(parameters.mounting_direction, dtype=np.float64)
@@ -190,8 +195,8 @@ def _solve(
         return locate(
             source,
             np.arange(3),
-            share * rows[:, 10],
-            rows[:, :3],
+            share * rows[:, _PULSE_CURRENT],
+            rows[:, _PULSE_VALUE],
             _field_sigma(settings),
             direction=direction if np.any(direction != 0.0) else None,
             last_position_m=last,
@@ -202,8 +207,8 @@ def _solve(
         )
 
     # Which velocity carries the pulses together: the filter's, what the fix itself then says of it, or none.
-    knows = started and math.sqrt(float(np.trace(covariance[6:9, 6:9]))) < _WELL_KNOWN_RAD
-    moved = rows[:, 3:6] - here if knows else None
+    knows = started and math.sqrt(float(np.trace(covariance[_ATTITUDE, _ATTITUDE]))) < _WELL_KNOWN_RAD
+    moved = rows[:, _PULSE_PLACE] - here if knows else None
     wrong, loose = np.zeros(3), 0.0
     velocity = nominal[at.VELOCITY : at.VELOCITY + 3].copy()
     if started and not knows:
@@ -307,7 +312,7 @@ def _plausible(
     limit = math.radians(parameters.inconsistent_deg)
     own = math.sqrt(float(np.trace(fix.covariance[3:, 3:])))
     if started:
-        known = math.sqrt(float(np.trace(covariance[6:9, 6:9])))
+        known = math.sqrt(float(np.trace(covariance[_ATTITUDE, _ATTITUDE])))
         if known > _WELL_KNOWN_RAD:
             return True
         angle = rotation.angle_between(nominal[at.ATTITUDE : at.ATTITUDE + 4], fix.q_source_sensor)
