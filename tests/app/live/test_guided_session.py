@@ -3,6 +3,7 @@
 import asyncio
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -300,13 +301,22 @@ def test_pain_outlives_a_restart(enter: Enter, engine: Engine, world: Any) -> No
 
 def test_a_pause_while_the_sensors_are_lost_is_a_pause(enter: Enter, engine: Engine, world: Any) -> None:
     async def work(room: Room) -> None:
+        whole = room.done
         await room.to_the_start()
-        room.desk._cause = "lost"
+        first_s = whole.repetitions_s[0][1]
+        await room.until(first_s + 0.5)
+        # Every sensor goes silent, its link does not: a sensor that gives nothing is sent as zeros.
+        silent = replace(whole.stream, counts=np.zeros_like(whole.stream.counts))
+        room.done = replace(whole, stream=silent)
+        await room.until(first_s + 3.5)
+        assert (room.desk.message.status, room.desk.message.cause) == ("paused", "lost")
         assert room.desk.obey("pause").cause == "person"
+        room.done = whole
         await room.to_the_end()
         assert (room.desk.message.status, room.desk.message.cause) == ("paused", "person")
+        assert room.desk.message.counts.valid == 1
 
-    enter((SOUND, SOUND), work, prescribe(engine, world))
+    enter((SOUND, SOUND, SOUND, SOUND), work, prescribe(engine, world))
 
 
 def test_without_a_template_the_buttons_work(enter: Enter, engine: Engine, world: Any) -> None:
