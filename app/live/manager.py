@@ -290,7 +290,10 @@ class LiveManager:
         Conflict
             No gateway has connected to it here.
         """
-        found = self.live(session_id).guidance
+        session = self.live(session_id)
+        # What it says and stores has the time of the newest packet.
+        session.settle()
+        found = session.guidance
         if found is None:
             raise Conflict(say("live.not_connected"))
         return found

@@ -20,6 +20,8 @@ CHECKING_SHARE: Final = 0.05
 
 FIRST_CHECK_S: Final = 4.0
 """Rest tells units at once or not at all."""
+LATE_TICKS: Final = 128
+"""So many ticks may have come before `seen` is told of the first of them."""
 CHECK_EVERY_S: Final = 12.0
 """What is looked at together: some windows of movement. What came before and was not looked at is forgotten."""
 NOTHING: Final = -1
@@ -99,7 +101,7 @@ class FirstSeconds:
         self._turns, self._work = turns, work
         self._names, self._tell = tuple(names), tell
         self._step_s = time_step_s
-        self.recent = RecentSamples(round(CHECK_EVERY_S / time_step_s) + 1)
+        self.recent = RecentSamples(round(CHECK_EVERY_S / time_step_s) + LATE_TICKS)
         """The newest ticks; whoever writes them there calls `seen`."""
         self._from_tick = NOTHING
         """First tick not looked at yet; it may have left the ring."""

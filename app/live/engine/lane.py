@@ -12,11 +12,13 @@ from app.live.checks.recent import RecentSamples
 from app.live.engine.pools import (
     DURATION_US,
     FIRST_TICK,
+    FRAME_ROWS,
     IS_FLAWED,
     LAST_POSITION,
     NEXT_TICK,
     ROWS_KNOWN,
     SEQUENCE,
+    TICK_AT,
     TICKS,
     TIME_US,
     SessionPool,
@@ -35,7 +37,7 @@ from estimators.recording import ImuChunk
 logger = logging.getLogger(__name__)
 
 SETTLE_TICKS: Final = 62
-"""A session with more ticks since it was last settled is settled before its next packet."""
+"""A session whose frames take up more rows is settled before its next packet."""
 
 
 class TakenPacket(NamedTuple):
@@ -143,7 +145,7 @@ class Lane:
         self._known: tuple[object, ...] | None = None
         self._next = (-1, -1)
         self._taken: list[TakenPacket] = []
-        self._ticks = 0
+        self._ticks = self._rows = 0
         self._thread = threading.get_ident()
 
     @property
@@ -153,8 +155,11 @@ class Lane:
         clock, aligner = parts.clock, parts.aligner
         if session.machine.state not in STREAMING or not session.is_plain or aligner.waiting:
             return False
-        if self._ticks > SETTLE_TICKS:
+        if self._rows > SETTLE_TICKS and self.pool is not None:
+            # Nothing of it is on its way through a turn: its rows are free once it is settled.
             self.settle()
+            self.pool.settled(self.slot)
+            self._rows = 0
         declaration, setup, known = clock.declaration, parts.pipeline.setup, self._known
         if (
             self._next == (clock.highest, aligner.next_tick)
@@ -242,16 +247,14 @@ class Lane:
         self._ticks += ticks
         if not ticks:
             return
+        assert self.pool is not None
+        self._rows = row[TICK_AT] + ticks - self.slot * FRAME_ROWS
         health = session.now.health
         health.latencies_s.append(now_s - arrival_s)
         if session.wants_frames:
-            session.show(self._frames(row[FIRST_TICK], self._ticks - ticks, self._ticks))
+            session.show(self.pool.frames(session.now.pipeline, row[FIRST_TICK], row[TICK_AT], ticks))
         if row[IS_FLAWED] or health.has_gaps:
             self.settle()
-
-    def _frames(self, first_tick: int, start: int, stop: int) -> Frames:
-        assert self.pool is not None
-        return self.pool.frames(self.session.now.pipeline, self.slot, first_tick, start, stop)
 
     def settle(self) -> None:
         """Let the session's parts stand where its rows stand: carry them on over the packets since, store and count.
@@ -278,14 +281,18 @@ class Lane:
             sequence, last[TIME_US] + last[DURATION_US], next_tick, last[LAST_POSITION], last[ROWS_KNOWN]
         )
         pool.kind.stepped(parts.pipeline, next_tick)
-        pool.settled(self.slot)
+        if pool.network.slot[self.slot]["next_sequence"] == sequence + 1:
+            # Compiled code has taken no packet behind this one whose frames lie in further rows.
+            pool.settled(self.slot)
+            self._rows = 0
         self._next = (sequence, next_tick)
         messages, arrivals_ns = [one.message for one in taken], [one.arrival_ns for one in taken]
         session.took(taken, runs_of(taken[0].row[SEQUENCE], messages, arrivals_ns))
         if not ticks:
             return
-        frames = self._frames(next_tick - ticks, 0, ticks)
-        whole, chunk = [found for one in taken if (found := one.row[TICKS])], None
+        shown = [one.row for one in taken if one.row[TICKS]]
+        frames = pool.frames(parts.pipeline, next_tick - ticks, shown[0][TICK_AT], ticks)
+        whole, chunk = [row[TICKS] for row in shown], None
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s
             chunk = session.recent.chunk(first_tick, next_tick, step_s)

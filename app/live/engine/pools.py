@@ -17,7 +17,7 @@ from estimators.pipelines.pooled import STRETCH, Pool
 
 SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
-FRAME_ROWS: Final = 2 * MOST_TICKS + 62
+FRAME_ROWS: Final = 320
 """Ticks of a session whose frames wait until they are stored and shown to whoever wants all of them."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
@@ -89,20 +89,20 @@ class SessionPool:
         rows: list[tuple[Any, ...]] = items.tolist()
         return rows
 
-    def frames(self, pipeline: Pipeline, slot: int, first_tick: int, start: int, stop: int) -> Frames:
+    def frames(self, pipeline: Pipeline, first_tick: int, row: int, ticks: int) -> Frames:
         """Return a copy of what was found in some ticks that wait.
 
         Parameters
         ----------
         pipeline : Pipeline
-        slot : int
         first_tick : int
             Number of the first tick wanted.
-        start, stop : int
-            Its row and the one behind the last, from the oldest that waits.
+        row : int
+            Of its frames, as `take` returned it.
+        ticks : int
         """
-        first = slot * FRAME_ROWS
-        return self.kind.frames(pipeline, first_tick, first + start, first + stop)
+        assert row // FRAME_ROWS == (row + ticks - 1) // FRAME_ROWS, "frames of another session"
+        return self.kind.frames(pipeline, first_tick, row, row + ticks)
 
     def settled(self, slot: int) -> None:
         """Let the rows of a session's frames be written anew."""

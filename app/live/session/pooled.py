@@ -49,9 +49,13 @@ class PooledSession(CalibratedSession):
     @property
     def parts(self) -> Parts:
         """What packets move on, with every packet that has been taken."""
+        self.settle()
+        return self.now
+
+    def settle(self) -> None:
+        """Carry everything on over the packets that have been taken."""
         if self.lane is not None:
             self.lane.settle()
-        return self.now
 
     @property
     def clock(self) -> PacketClock:
@@ -136,15 +140,15 @@ class PooledSession(CalibratedSession):
         """Store and count packets that are not back-filled and were placed in order."""
         parts = self.now
         self._last_arrival_s = taken[-1].arrival_s
-        for one in taken:
-            end_s = (one.row[TIME_US] + one.row[DURATION_US]) * 1e-6
-            parts.health.add_packet(end_s, one.arrival_s)
-            parts.skew.add(end_s, one.arrival_s)
         for run in runs:
             with contextlib.suppress(Conflict, Unavailable):
                 # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
                 self.duplicates += len(run.messages) - self._writer.append_run(self.id, run)
                 parts.ledger.received.add_range(run.first_sequence, run.stop_sequence)
+        for one in taken:
+            end_s = (one.row[TIME_US] + one.row[DURATION_US]) * 1e-6
+            parts.health.add_packet(end_s, one.arrival_s)
+            parts.skew.add(end_s, one.arrival_s)
 
     def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
         """Store and count what the pooled engine found; whoever wants frames at once has seen them.

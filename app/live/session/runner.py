@@ -389,8 +389,7 @@ class LiveSession(PooledSession):
     async def finish(self) -> None:
         """Estimate what still waits, then store everything; the state is `closing` before."""
         self._calibration.end()
-        if self.lane is not None:
-            self.lane.settle()
+        self.settle()
         self.silent()
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))

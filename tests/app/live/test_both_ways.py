@@ -16,6 +16,7 @@ from app.network.packet import encode_packet
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from estimators.errors import CalibrationError
+from estimators.pipelines import Frames
 from tests.app.live.both_ways import MOTION, Faults, Sender, offer, packets_of, worn
 from tests.app.live.live_load import connected, remember, swaying
 
@@ -47,12 +48,42 @@ def stands(session: LiveSession) -> dict[str, Any]:
     }
 
 
+def together(parts: list[Frames]) -> dict[str, Any]:
+    """The same whatever the pieces are; every tick once, one behind the other."""
+    ticks = [tick for one in parts for tick in range(one.first_tick, one.first_tick + one.tick_count)]
+    names = (
+        [name for name, values in parts[0].__dict__.items() if isinstance(values, np.ndarray)]
+        if parts
+        else []
+    )
+    return {"ticks": ticks} | {
+        name: np.concatenate([getattr(one, name) for one in parts]).tobytes() for name in names
+    }
+
+
+def stored(manager: LiveManager, session: LiveSession) -> dict[str, Any]:
+    """Frames on their way into the store."""
+    return together([frames for _, frames in manager.writer._sessions[session.id].frame_parts])
+
+
+def seen(listener: Subscription) -> dict[str, Any]:
+    """Frames that came at once."""
+    return together([item.frames for _, item in listener.take()])
+
+
 class Pair:
     """Two sessions of the same stream: one is given its packets the general way."""
 
-    def __init__(self, general: Sender, pooled: Sender, manager: LiveManager) -> None:
+    def __init__(
+        self, general: Sender, pooled: Sender, manager: LiveManager, *, wants_frames: bool = False
+    ) -> None:
         self.general, self.pooled, self.manager = general, pooled, manager
         self.sessions = [manager.live(one.intake.session_id) for one in (general, pooled)]
+        # Somebody who wants all frames at once makes them come another way.
+        self.whole = [manager.bus.subscribe(topic(one.id, "frames"), size=100_000) for one in self.sessions]
+        if not wants_frames:
+            for listener in self.whole:
+                listener.close()
         self.frames = [manager.bus.subscribe(topic(one.id, "blocks"), size=100_000) for one in self.sessions]
 
     def give(self, packets: list[bytes], random: np.random.Generator) -> None:
@@ -88,6 +119,8 @@ class Pair:
         assert self.general.refused == self.pooled.refused
         assert stands(one) == stands(other)
         assert shown(self.frames[0]) == shown(self.frames[1])
+        assert stored(self.manager, one) == stored(self.manager, other)
+        assert seen(self.whole[0]) == seen(self.whole[1])
         assert one.pipeline.setup == other.pipeline.setup
         expected, state = one.pipeline.state(), other.pipeline.state()
         assert expected.keys() == state.keys()
@@ -95,10 +128,10 @@ class Pair:
             assert values.tobytes() == state[name].tobytes(), name
 
 
-async def pair_of(manager: LiveManager, world: Any, stream: Any) -> Pair:
+async def pair_of(manager: LiveManager, world: Any, stream: Any, *, wants_frames: bool = False) -> Pair:
     made = [await connected(manager, world.subjects["therapist"], world.patient_id, stream) for _ in range(2)]
     senders = [Sender(intake) for intake in made]
-    return Pair(senders[0], senders[1], manager)
+    return Pair(senders[0], senders[1], manager, wants_frames=wants_frames)
 
 
 @pytest.fixture
@@ -120,7 +153,7 @@ async def compared(manager: LiveManager, world: Any, engine: Engine, seeds: rang
     for seed in seeds:
         random = np.random.default_rng(seed)
         faults = Faults.draw(random, len(stream.counts), len(ARM))
-        pair = await pair_of(manager, world, stream)
+        pair = await pair_of(manager, world, stream, wants_frames=seed % 3 == 0)
         packets = packets_of(stream, faults, random)
         middle = 13 * len(packets) // 20
         pair.give(packets[:middle], random)
@@ -138,7 +171,7 @@ async def compared(manager: LiveManager, world: Any, engine: Engine, seeds: rang
             manager._sessions.pop(session.id)
             if session.lane is not None:
                 session.lane.leave()
-        for frames in pair.frames:
+        for frames in (*pair.frames, *pair.whole):
             frames.close()
     return manager.pooled.ordinary, manager.pooled.rare
 
