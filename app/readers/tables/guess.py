@@ -267,7 +267,8 @@ def _with_unit(
     if one.quantity == "accelerometer":
         unit = accelerometer_unit(values)
         if not unit:
-            size = float(np.nanmedian(np.linalg.norm(values, axis=1))) if len(values) else float("nan")
+            whole = values[np.isfinite(values).all(axis=1)]
+            size = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else float("nan")
             missing.append(say("guess.no_unit", columns=list(one.columns), size=size))
             return one
     elif one.quantity == "magnetometer":

@@ -27,6 +27,8 @@ _ALIKE: Final = 0.6
 """Least correlation of the two turnings."""
 _SMOOTHED_S: Final = 0.15
 _ROWS: Final = 4000
+_LARGEST: Final = 1e100
+"""Beyond it a field is no reading of any unit, and its square no number."""
 
 
 class Body:
@@ -52,7 +54,9 @@ class Body:
         """Return some columns as numbers, shape (N, C); NaN where there is none."""
         places = [self._places[name] for name in columns]
         table = [[_float(row[at]) if at < len(row) else np.nan for at in places] for row in self._rows]
-        return np.array(table, dtype=np.float64).reshape(-1, len(places))
+        found = np.array(table, dtype=np.float64).reshape(-1, len(places))
+        found[np.abs(found) > _LARGEST] = np.nan
+        return found
 
     def times(self, column: str, unit: str) -> Float:
         """Return a time column in its unit, shape (N,), times of day in seconds; NaN where there is none."""

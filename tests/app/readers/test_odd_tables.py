@@ -132,3 +132,11 @@ def test_no_bytes_break_the_preview(noise, name, at):
         return
     if found.guess is not None:
         CsvMapping.model_validate(found.guess.mapping)
+
+
+def test_a_number_beyond_all_units_is_none():
+    """Its square would be no number, and numpy would say so."""
+    rows = "\n".join(f"{n / 100},{'9' * 200},0.1,9.8,0.1,0.2,0.3" for n in range(50))
+    found = readers.preview_text("table.csv", f"time_s,ax,ay,az,gx,gy,gz\n{rows}\n".encode()).guess
+    assert found is not None
+    assert found.missing
