@@ -33,7 +33,14 @@ from app.network.messages import (
     JsonPacket,
 )
 from app.network.pace import Pace
-from app.network.packet import HEADER_BYTES, MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
+from app.network.packet import (
+    HEADER_BYTES,
+    MAX_PACKET_BYTES,
+    OFFSETS,
+    Packet,
+    decode_packet,
+    packet_from_json,
+)
 from app.schemas import Schema
 from app.sentences import say
 
@@ -46,8 +53,7 @@ WRONG_IN_A_ROW = 1000
 """A connection that sends so many wrong messages and no right one between is ended."""
 BEHIND_S = 0.1
 """Until a packet is given again that could not be taken yet."""
-_TICKS_AT = 5
-"""Of the tick count in a packet's header."""
+_TICKS_AT = OFFSETS["tick_count"]
 TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
 

@@ -33,6 +33,24 @@ FLOAT32: Final = 0
 INT16: Final = 1
 
 _HEADER: Final = struct.Struct("<4sBBHBBHIQII")
+HEADER: Final = np.dtype(
+    [
+        ("magic", "S4"),
+        ("sensor_count", "u1"),
+        ("tick_count", "u1"),
+        ("channels", "<u2"),
+        ("encoding", "u1"),
+        ("flags", "u1"),
+        ("reserved", "<u2"),
+        ("sequence", "<u4"),
+        ("device_time_us", "<u8"),
+        ("tick_interval_us", "<u4"),
+        ("crc", "<u4"),
+    ]
+)
+"""The header by name, for many packets at once."""
+OFFSETS: Final = {name: int(place[1]) for name, place in (HEADER.fields or {}).items()}
+"""Where in a packet each field of the header begins."""
 _HEADER_WITHOUT_CRC: Final = struct.Struct("<4sBBHBBHIQI")
 _KNOWN_FLAGS: Final = 0b11
 

@@ -7,20 +7,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.network.packet import HEADER_BYTES
+from app.network.packet import HEADER, HEADER_BYTES, OFFSETS
 from app.network.raw_packet import WIDTH, RawPacket
 
-_SENSORS, _TICKS, _MASK, _ENCODING, _FLAGS = 4, 5, slice(6, 8), 8, 9
-_SHAPE: Final = slice(_SENSORS, _FLAGS)
+_SENSORS, _TICKS, _ENCODING = OFFSETS["sensor_count"], OFFSETS["tick_count"], OFFSETS["encoding"]
+_MASK: Final = slice(OFFSETS["channels"], _ENCODING)
+_SHAPE: Final = slice(_SENSORS, OFFSETS["flags"])
 """Sensors, ticks, channels and encoding, in the bytes of a packet."""
-_HEAD: Final = np.dtype(
-    {
-        "names": ["tick_count", "flags", "device_time_us", "tick_interval_us"],
-        "formats": ["u1", "u1", "<u8", "<u4"],
-        "offsets": [_TICKS, _FLAGS, 16, 24],
-        "itemsize": HEADER_BYTES,
-    }
-)
 HEAD_COLUMNS: Final = 6
 """Sequence, device time, tick interval, ticks, flags and arrival of a packet, in this order."""
 
@@ -89,7 +82,7 @@ class PacketRun:
 
     def heads(self) -> NDArray[np.int64]:
         """Return what the heads hold, shape (P, HEAD_COLUMNS); a device's clock of 64 bits without its sign."""
-        read = np.frombuffer(b"".join([one[:HEADER_BYTES] for one in self.messages]), _HEAD)
+        read = np.frombuffer(b"".join([one[:HEADER_BYTES] for one in self.messages]), HEADER)
         found = np.empty((len(self.messages), HEAD_COLUMNS), np.int64)
         found[:, 0] = np.arange(self.first_sequence, self.stop_sequence)
         found[:, 1] = read["device_time_us"].view(np.int64)

@@ -89,7 +89,7 @@ class Pool(Protocol):
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
         """Carry on what a pipeline knows beside its rows, after `step` has taken its ticks up to `next_tick`."""
 
-    def frames(self, pipeline: Pipeline, first_tick: int, start: int, stop: int) -> Frames:
+    def frames(self, first_tick: int, start: int, stop: int) -> Frames:
         """Return a copy of some rows of `columns` as frames, as they are stored live."""
 
 

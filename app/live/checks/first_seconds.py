@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from app.live.checks.plausibility import Check, check
-from app.live.checks.recent import RecentSamples
+from app.live.checks.recent import LATE_TICKS, RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
 from estimators.recording import Float, ImuChunk
 
@@ -20,8 +20,6 @@ CHECKING_SHARE: Final = 0.05
 
 FIRST_CHECK_S: Final = 4.0
 """Rest tells units at once or not at all."""
-LATE_TICKS: Final = 128
-"""So many ticks may have come before `seen` is told of the first of them."""
 CHECK_EVERY_S: Final = 12.0
 """What is looked at together: some windows of movement. What came before and was not looked at is forgotten."""
 NOTHING: Final = -1

@@ -1,11 +1,15 @@
 """The newest seconds of a session's samples in a ring, which compiled code may write as well."""
 
 from collections import deque
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.recording import Float, ImuChunk
+
+LATE_TICKS: Final = 320
+"""So many ticks of a session are taken at most before whoever reads the ring is told of the first of them."""
 
 
 class RecentSamples:
@@ -80,4 +84,4 @@ class RecentSamples:
         )
 
 
-__all__ = ["RecentSamples"]
+__all__ = ["LATE_TICKS", "RecentSamples"]

@@ -252,7 +252,7 @@ class Lane:
         health = session.now.health
         health.latencies_s.append(now_s - arrival_s)
         if session.wants_frames:
-            session.show(self.pool.frames(session.now.pipeline, row[FIRST_TICK], row[TICK_AT], ticks))
+            session.show(self.pool.frames(row[FIRST_TICK], row[TICK_AT], ticks))
         if row[IS_FLAWED] or health.has_gaps:
             self.settle()
 
@@ -291,7 +291,7 @@ class Lane:
         if not ticks:
             return
         shown = [one.row for one in taken if one.row[TICKS]]
-        frames = pool.frames(parts.pipeline, next_tick - ticks, shown[0][TICK_AT], ticks)
+        frames = pool.frames(next_tick - ticks, shown[0][TICK_AT], ticks)
         whole, chunk = [row[TICKS] for row in shown], None
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.live.blocks import PublishedBlock, block_header, column_names
+from app.live.checks.recent import LATE_TICKS
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
 from app.network.placing.kernel import place
@@ -17,7 +18,7 @@ from estimators.pipelines.pooled import STRETCH, Pool
 
 SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
-FRAME_ROWS: Final = 320
+FRAME_ROWS: Final = LATE_TICKS
 """Ticks of a session whose frames wait until they are stored and shown to whoever wants all of them."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
@@ -89,12 +90,11 @@ class SessionPool:
         rows: list[tuple[Any, ...]] = items.tolist()
         return rows
 
-    def frames(self, pipeline: Pipeline, first_tick: int, row: int, ticks: int) -> Frames:
+    def frames(self, first_tick: int, row: int, ticks: int) -> Frames:
         """Return a copy of what was found in some ticks that wait.
 
         Parameters
         ----------
-        pipeline : Pipeline
         first_tick : int
             Number of the first tick wanted.
         row : int
@@ -102,7 +102,7 @@ class SessionPool:
         ticks : int
         """
         assert row // FRAME_ROWS == (row + ticks - 1) // FRAME_ROWS, "frames of another session"
-        return self.kind.frames(pipeline, first_tick, row, row + ticks)
+        return self.kind.frames(first_tick, row, row + ticks)
 
     def settled(self, slot: int) -> None:
         """Let the rows of a session's frames be written anew."""

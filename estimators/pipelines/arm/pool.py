@@ -148,7 +148,7 @@ class ArmPool:
         network = pipeline._network  # type: ignore[attr-defined]
         network._next_tick = network._filter._guard.next_tick = next_tick
 
-    def frames(self, pipeline: Pipeline, first_tick: int, start: int, stop: int) -> Frames:
+    def frames(self, first_tick: int, start: int, stop: int) -> Frames:
         """Return a copy of some rows as frames; see `Pool.frames`."""
         # As stored live: angles carry their own sigma.
         found: Any = [values[start:stop].copy() for values in self.columns[:_STORED]]

@@ -71,7 +71,7 @@ def pooled(pool: ArmPool, parts: list[tuple[int, ArmPipeline, ImuChunk]]) -> lis
     for one, (_, pipeline, chunk) in zip(stretches, parts, strict=True):
         pool.stepped(pipeline, chunk.first_tick + chunk.tick_count)
         start = int(one["tick_at"])
-        found.append(pool.frames(pipeline, chunk.first_tick, start, start + chunk.tick_count))
+        found.append(pool.frames(chunk.first_tick, start, start + chunk.tick_count))
     return found
 
 
