@@ -77,11 +77,9 @@ def add_patient(
     return patient.id
 
 
-def start_server(
-    url: str, folder: Path, port: int, before: str = "", settings: Mapping[str, str] = ROOMY
-) -> subprocess.Popen[bytes]:
-    """Start the service; `before` is code that it runs first. What live sessions need is compiled before that."""
-    environment = os.environ | {
+def environment_of(url: str, folder: Path, port: int, settings: Mapping[str, str] = ROOMY) -> dict[str, str]:
+    """Return the environment of a service that serves this database at this port."""
+    return os.environ | {
         "TELEMOTION_DATABASE_URL": url,
         "TELEMOTION_SECRET_KEY": SECRET,
         "TELEMOTION_BASE_URL": f"http://127.0.0.1:{port}",
@@ -91,23 +89,50 @@ def start_server(
         "OPENBLAS_NUM_THREADS": "1",
         **settings,
     }
+
+
+def compile_usual(environment: Mapping[str, str]) -> None:
+    """Compile what live sessions need, so that a service finds it in the cache."""
     for kind in usual():
         subprocess.run(
             [sys.executable, "-m", "app.live.warmup", *kind], env=environment, cwd=ROOT, check=True
         )
+
+
+def launch(environment: Mapping[str, str], before: str = "") -> subprocess.Popen[bytes]:
+    """Start the process of a service; `before` is code that it runs first."""
+    port = int(environment["TELEMOTION_BASE_URL"].rsplit(":", 1)[1])
     code = f"{before}\nfrom app.commands.serve import serve; serve('127.0.0.1', {port})"
-    process = subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
-    deadline = time.monotonic() + 120
+    return subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
+
+
+def wait_until(
+    process: subprocess.Popen[bytes], address: str, path: str = "/api/health", patience_s: float = 120.0
+) -> None:
+    """Return when a service answers a path with success."""
+    deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         try:
-            if httpx.get(f"http://127.0.0.1:{port}/api/health", trust_env=False).is_success:
-                return process
+            if httpx.get(f"{address}{path}", trust_env=False, timeout=patience_s).is_success:
+                return
         except httpx.TransportError:
-            time.sleep(0.2)
+            pass
+        time.sleep(0.05)
         if process.poll() is not None:
             raise RuntimeError("the service did not start")
     process.kill()
     raise TimeoutError("the service did not answer")
+
+
+def start_server(
+    url: str, folder: Path, port: int, before: str = "", settings: Mapping[str, str] = ROOMY
+) -> subprocess.Popen[bytes]:
+    """Start the service; `before` is code that it runs first. What live sessions need is compiled before that."""
+    environment = environment_of(url, folder, port, settings)
+    compile_usual(environment)
+    process = launch(environment, before)
+    wait_until(process, environment["TELEMOTION_BASE_URL"])
+    return process
 
 
 async def open_sessions(
