@@ -14,8 +14,8 @@ _SENSORS, _TICKS, _ENCODING = OFFSETS["sensor_count"], OFFSETS["tick_count"], OF
 _MASK: Final = slice(OFFSETS["channels"], _ENCODING)
 _SHAPE: Final = slice(_SENSORS, OFFSETS["flags"])
 """Sensors, ticks, channels and encoding, in the bytes of a packet."""
-HEAD_COLUMNS: Final = 6
-"""Sequence, device time, tick interval, ticks, flags and arrival of a packet, in this order."""
+H_SEQUENCE, H_DEVICE_TIME, H_INTERVAL, H_TICKS, H_FLAGS, H_ARRIVAL, HEAD_COLUMNS = range(7)
+"""Columns of the heads of packets: sequence, device time, tick interval, ticks, flags and arrival."""
 
 
 @dataclass(slots=True)
@@ -84,10 +84,11 @@ class PacketRun:
         """Return what the heads hold, shape (P, HEAD_COLUMNS); a device's clock of 64 bits without its sign."""
         read = np.frombuffer(b"".join([one[:HEADER_BYTES] for one in self.messages]), HEADER)
         found = np.empty((len(self.messages), HEAD_COLUMNS), np.int64)
-        found[:, 0] = np.arange(self.first_sequence, self.stop_sequence)
-        found[:, 1] = read["device_time_us"].view(np.int64)
-        found[:, 2], found[:, 3], found[:, 4] = read["tick_interval_us"], read["tick_count"], read["flags"]
-        found[:, 5] = self.arrivals_ns
+        found[:, H_SEQUENCE] = np.arange(self.first_sequence, self.stop_sequence)
+        found[:, H_DEVICE_TIME] = read["device_time_us"].view(np.int64)
+        found[:, H_INTERVAL], found[:, H_TICKS] = read["tick_interval_us"], read["tick_count"]
+        found[:, H_FLAGS] = read["flags"]
+        found[:, H_ARRIVAL] = self.arrivals_ns
         return found
 
     def values_per_tick(self) -> int:
@@ -118,4 +119,4 @@ def runs_of(first_sequence: int, messages: list[bytes], arrivals_ns: list[int]) 
     ]
 
 
-__all__ = ["HEAD_COLUMNS", "PacketRun", "runs_of"]
+__all__ = ["HEAD_COLUMNS", "H_ARRIVAL", "H_TICKS", "PacketRun", "runs_of"]

@@ -11,7 +11,9 @@ import numpy as np
 from estimators._kernels import kernel
 from estimators.recording import Float
 
-STATES = 4
+APART, STATES = 3, 4
+_COP = 3
+"""Of a shoe's sample the force is first, then this."""
 # What goes on from sample to sample.
 KNOWN, COASTED_S, LAST_X, LAST_Y, OFFSET, CLIMB, EXCESS, LEVEL, RUN, RAW_SUM, RAW_COUNT = range(11)
 BLOCK_SUM, BLOCK_COUNT, HAS_LEVEL, MEMORY = 11, 12, 13, 14
@@ -73,7 +75,7 @@ def _predict(settings: Float, x: Float, p: Float, now_x: float, now_y: float, mo
     p[1, 1] += settings[S_FORCE2] * h
     p[2, 2] += settings[S_BIAS2] * h
     if moves:
-        p[3, 3] += settings[S_WANDER2] * h
+        p[APART, APART] += settings[S_WANDER2] * h
 
 
 @kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64, float64, float64)", inlined=True)
@@ -225,10 +227,10 @@ def balance_live(
     for k in range(out.shape[0]):
         if (usable[0, k] | usable[1, k]) & 4:
             for axis in range(2):
-                x[axis, 3] = 0.0
-            p[3, :] = 0.0
-            p[:, 3] = 0.0
-            p[3, 3] = _REJOINED2
+                x[axis, APART] = 0.0
+            p[APART, :] = 0.0
+            p[:, APART] = 0.0
+            p[APART, APART] = _REJOINED2
             memory[COASTED_S] = np.inf
         first, second = usable[0, k] & 3, usable[1, k] & 3
         result = out[k]
@@ -251,15 +253,15 @@ def balance_live(
             # A foot without a pressure centre carries nothing that counts.
             carried = 0.0
             for s in range(2):
-                if not math.isnan(shoes[s, k, 3]):
+                if not math.isnan(shoes[s, k, _COP]):
                     carried += shoes[s, k, 2]
             if carried > _LEAST_N:
                 for s in range(2):
-                    if not math.isnan(shoes[s, k, 3]):
+                    if not math.isnan(shoes[s, k, _COP]):
                         part = shoes[s, k, 2] / carried
-                        px += part * shoes[s, k, 3]
-                        py += part * shoes[s, k, 4]
-                        level += part * shoes[s, k, 5]
+                        px += part * shoes[s, k, _COP]
+                        py += part * shoes[s, k, _COP + 1]
+                        level += part * shoes[s, k, _COP + 2]
                         share = part if s == 1 else share
             else:
                 both = False
@@ -271,14 +273,14 @@ def balance_live(
             height = settings[S_HEIGHT] + memory[OFFSET]
             anchor_x, anchor_y = px + height * fx / fz, py + height * fy / fz
             if memory[KNOWN] == 0.0 or memory[COASTED_S] > _FORGOTTEN_S:
-                shift_x, shift_y, shift2 = x[0, 3], x[1, 3], p[3, 3]
+                shift_x, shift_y, shift2 = x[0, APART], x[1, APART], p[APART, APART]
                 x[:] = 0.0
                 p[:] = 0.0
                 for i in range(3):
                     p[i, i] = _START2[i]
                 if memory[KNOWN] == 0.0:
                     shift2 = settings[S_APART2]
-                x[0, 3], x[1, 3], p[3, 3] = shift_x, shift_y, shift2
+                x[0, APART], x[1, APART], p[APART, APART] = shift_x, shift_y, shift2
                 x[0, 0], x[1, 0] = anchor_x + share * shift_x, anchor_y + share * shift_y
                 memory[KNOWN] = 1.0
             else:
@@ -289,10 +291,10 @@ def balance_live(
                     x[axis, 1] += h * (0.5 * (before + now) - error)
                 _predict(settings, x, p, now_x, now_y, not stands)
             memory[COASTED_S] = 0.0
-            row[0], row[1], row[3] = 1.0, 0.0, -share
+            row[0], row[1], row[APART] = 1.0, 0.0, -share
             _measure(x, p, row, anchor_x, anchor_y, settings[S_ANCHOR2] / h)
             if stands:
-                row[0], row[1], row[3] = 0.0, 1.0, 0.0
+                row[0], row[1], row[APART] = 0.0, 1.0, 0.0
                 _measure(x, p, row, 0.0, 0.0, settings[S_STANDING2] / h)
         elif memory[KNOWN] > 0.0:
             memory[COASTED_S] += h
@@ -303,11 +305,11 @@ def balance_live(
         memory[LAST_X], memory[LAST_Y] = now_x, now_y
         if both:
             result[FORCE], result[FORCE + 1], result[FORCE + 2] = fx, fy, fz
-            result[COP], result[COP + 1] = px + share * x[0, 3], py + share * x[1, 3]
+            result[COP], result[COP + 1] = px + share * x[0, APART], py + share * x[1, APART]
             result[COP + 2] = level
         if memory[KNOWN] > 0.0:
-            result[SHIFT], result[SHIFT + 1] = x[0, 3], x[1, 3]
-            result[APART_SIGMA] = math.sqrt(max(p[3, 3], 0.0))
+            result[SHIFT], result[SHIFT + 1] = x[0, APART], x[1, APART]
+            result[APART_SIGMA] = math.sqrt(max(p[APART, APART], 0.0))
         sigma = math.sqrt(max(p[0, 0], 0.0))
         if memory[KNOWN] > 0.0 and memory[COASTED_S] <= _SHOWN_S and sigma < _WIDEST_M:
             high = settings[S_HEIGHT] + memory[OFFSET]
@@ -319,7 +321,9 @@ def balance_live(
             result[MASS + 2], result[VELOCITY + 2] = memory[LEVEL] + high, memory[CLIMB]
             result[GOING + 2] = memory[LEVEL]
             if both:
-                result[MARGIN] = _margin(corners, k, x[0, 3], x[1, 3], result[GOING], result[GOING + 1], hull)
+                result[MARGIN] = _margin(
+                    corners, k, x[0, APART], x[1, APART], result[GOING], result[GOING + 1], hull
+                )
 
 
 __all__ = ["MEMORY", "OUT", "SETTINGS", "STATES", "balance_live"]

@@ -55,6 +55,25 @@ class Footholds:
         return Footholds(*(getattr(self, field.name)[retained] for field in fields(self)))
 
 
+_SWING = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "toe_off_s",
+            "contact_s",
+            "clearance_m",
+            "circumduction_m",
+            "contact_pitch_rad",
+            "toe_off_pitch_rad",
+            "toe_out_rad",
+            "turn_rad",
+            "peak_speed_mps",
+        )
+    ]
+)
+"""What the swing of one stride says."""
+
+
 @dataclass(frozen=True)
 class Strides:
     """Strides of one foot, from one foothold to the next; n of them.
@@ -157,10 +176,10 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     holds = _footholds(trajectory, rests, forward)
     acceleration, rate = _derivatives(trajectory)
     count = max(len(rests) - 1, 0)
-    rows = np.full((count, 9), np.nan)
+    rows = np.full(count, np.nan, _SWING)
     for k in range(count):
         rows[k] = _stride(trajectory, rests[k], rests[k + 1], holds, k, acceleration, rate, side)
-    toe_off, contact = rows[:, 0], rows[:, 1]
+    toe_off, contact = rows["toe_off_s"], rows["contact_s"]
     missing_s, is_doubtful = missing_samples(trajectory, rests)
     aloft = (holds.start_s[1:] - holds.stop_s[:-1] > COAST_S) & ~is_doubtful
     # A bout ends where the foot stays on the ground for long. Next to missing samples events are not known: there
@@ -175,7 +194,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     is_last = np.concatenate([pause, [True]])[-count:] if count else np.zeros(0, dtype=np.bool_)
     sound = ~(is_doubtful | aloft | is_first | is_last)
     is_long = long_strides(contact - before, sound) | long_strides(np.diff(holds.quietest_s), sound)
-    aside = np.abs(rows[:, 6]) > _SIDEWAYS_RAD
+    aside = np.abs(rows["toe_out_rad"]) > _SIDEWAYS_RAD
     flags = is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT
     flags = flags + is_long * StrideFlag.LONG + aside * StrideFlag.SIDEWAYS
     step = np.diff(holds.position_m, axis=0)
@@ -194,13 +213,13 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         length_m=length,
         length_sigma_m=np.sqrt(variance),
         rise_m=step[:, 2],
-        clearance_m=rows[:, 2],
-        circumduction_m=rows[:, 3],
-        contact_pitch_rad=rows[:, 4],
-        toe_off_pitch_rad=rows[:, 5],
-        toe_out_rad=rows[:, 6],
-        turn_rad=rows[:, 7],
-        peak_speed_mps=rows[:, 8],
+        clearance_m=rows["clearance_m"],
+        circumduction_m=rows["circumduction_m"],
+        contact_pitch_rad=rows["contact_pitch_rad"],
+        toe_off_pitch_rad=rows["toe_off_pitch_rad"],
+        toe_out_rad=rows["toe_out_rad"],
+        turn_rad=rows["turn_rad"],
+        peak_speed_mps=rows["peak_speed_mps"],
         bout=bout,
         is_initiation=is_first,
         is_termination=is_last,
@@ -291,8 +310,8 @@ def _stride(
     acceleration: Float,
     rate: Float,
     side: Side,
-) -> Float:
-    """Return the row of numbers of one stride, in the order of `find_strides`."""
+) -> tuple[float, ...]:
+    """Return what one swing says, in the order of `_SWING`."""
     step = holds.position_m[k + 1] - holds.position_m[k]
     length = float(np.linalg.norm(step[:2]))
     heading = 0.5 * (holds.heading_rad[k] + holds.heading_rad[k + 1])
@@ -325,18 +344,16 @@ def _stride(
     pitch = _pitch(trajectory, holds, k, swing, foot_left)
     course = np.arctan2(along[1], along[0])
     toe_out = _wrapped(heading - course) * (1.0 if side == "left" else -1.0)
-    return np.array(
-        [
-            time[toe_off],
-            time[contact],
-            float((position[:, 2] - line).max()),
-            float(aside.max()),
-            pitch[contact],
-            pitch[toe_off],
-            toe_out,
-            holds.heading_rad[k + 1] - holds.heading_rad[k],
-            float(speed[fastest]),
-        ]
+    return (
+        time[toe_off],
+        time[contact],
+        float((position[:, 2] - line).max()),
+        float(aside.max()),
+        pitch[contact],
+        pitch[toe_off],
+        toe_out,
+        holds.heading_rad[k + 1] - holds.heading_rad[k],
+        float(speed[fastest]),
     )
 
 

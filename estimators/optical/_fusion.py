@@ -173,7 +173,8 @@ class OpticalInertialFilter:
 
 def to_result(states: Float, out: Float) -> OpticalResult:
     """Put the arrays of the compiled loop into a result."""
-    q = np.where(np.isnan(states[:, 6:7]), rotation.identity(), states[:, at.ATTITUDE : at.FORCE_BIAS])
+    q = states[:, at.ATTITUDE : at.FORCE_BIAS]
+    q = np.where(np.isnan(q[:, :1]), rotation.identity(), q)
     lever = states[:, at.LEVER :]
     sigma = out[:, at.O_SIGMA :]
     return OpticalResult(

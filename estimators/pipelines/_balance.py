@@ -106,8 +106,8 @@ class BalancePipeline(Pipeline):
         point = np.full((ticks, 1, 3), np.nan)
         if self._network.is_calibrated:
             rate, force = (one.swapaxes(0, 1) for one in self._network.in_segments(chunk))
-            scalar[..., 0:2], scalar[..., 2:4] = posture(q_room_segment, force)
-            scalar[..., 4], scalar[..., 5] = rate[..., 1], -rate[..., 0]
+            leaning = np.stack([rate[..., 1], -rate[..., 0]], axis=-1)
+            scalar = np.concatenate([*posture(q_room_segment, force), leaning], axis=-1)
             scalar[(flags & _HIDDEN) != 0] = np.nan
             point[:, 0] = (0.0, 0.0, HIP_HEIGHT_PER_STATURE * self.setup.body.stature_m)
         return Frames(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.network.packet import HEADER_BYTES
-from app.network.packet_run import HEAD_COLUMNS, PacketRun
+from app.network.packet_run import H_ARRIVAL, H_TICKS, HEAD_COLUMNS, PacketRun
 from app.network.ranges import SequenceRanges, ranges_of
 from app.network.raw_packet import COUNTS, WIDTH, RawPacket
 from app.recordings.models import SignalChunk
@@ -96,7 +96,11 @@ def _encoded(
     heads: NDArray[np.int64], payloads: list[bytes], ranges: list[tuple[int, int]], shape: dict[str, int]
 ) -> EncodedChunk:
     payload = bytearray().join(payloads)
-    ticks, encoding, values_per_tick = int(heads[:, 3].sum()), shape["encoding"], shape["values_per_tick"]
+    ticks, encoding, values_per_tick = (
+        int(heads[:, H_TICKS].sum()),
+        shape["encoding"],
+        shape["values_per_tick"],
+    )
     scale: dict[str, Any] = {"packets": len(heads), "ranges": ranges, **shape}
     if encoding == COUNTS:
         codec = COUNTS_CODEC
@@ -108,7 +112,7 @@ def _encoded(
         head = codecs.encode_integers(heads)
         data = head + codecs.encode_floats(np.frombuffer(payload, "<f4").reshape(ticks, values_per_tick))
         scale["head_bytes"] = len(head)
-    return EncodedChunk(int(heads[0, 5]), ticks, codec, scale, codecs.checksum(data), data)
+    return EncodedChunk(int(heads[0, H_ARRIVAL]), ticks, codec, scale, codecs.checksum(data), data)
 
 
 def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:

@@ -11,6 +11,9 @@ from estimators._kernels import kernel
 from estimators.recording import Float
 
 STATES = 3
+STEP, FORCE2, BIAS2, ANCHOR2, STANDING2, STARTED, LAST, SETTINGS = 0, 1, 2, 3, 4, 5, 6, 8
+"""Settings: the step, variance densities of acceleration, of its error and of the anchor, variance of "standing",
+whether anything was seen yet, and the last acceleration of x and y."""
 
 
 @kernel("void(float64[:, ::1], float64, float64, float64, float64[:, ::1])", inlined=True)
@@ -75,9 +78,7 @@ def forward(
 
     Parameters
     ----------
-    settings : ndarray, shape (8,)
-        Step, variance densities of acceleration, its error and the anchor, variance of "standing", whether
-        anything was seen yet, and the last acceleration of x and y.
+    settings : ndarray, shape (SETTINGS,)
     acceleration, anchor : ndarray, shape (K, 2)
     bits : ndarray of uint8, shape (K,)
         1: the anchor may be used; 2: the person stands.
@@ -87,23 +88,23 @@ def forward(
     predicted_covariance, filtered_covariance : ndarray, shape (K, 3, 3)
         Results.
     """
-    h = settings[0]
+    h = settings[STEP]
     for i in range(acceleration.shape[0]):
-        if settings[5] > 0.0:
+        if settings[STARTED] > 0.0:
             # The acceleration between two samples is taken for linear, as the trapezoids of (4.6) do.
             for axis in range(2):
-                before, now = settings[6 + axis], acceleration[i, axis]
+                before, now = settings[LAST + axis], acceleration[i, axis]
                 error = x[axis, 2]
                 x[axis, 0] += h * x[axis, 1] + h * h * (before / 3.0 + now / 6.0 - 0.5 * error)
                 x[axis, 1] += h * (0.5 * (before + now) - error)
-            _predict_covariance(p, h, settings[1], settings[2], filtered_covariance[i])
+            _predict_covariance(p, h, settings[FORCE2], settings[BIAS2], filtered_covariance[i])
             for r in range(3):
                 for c in range(3):
                     p[r, c] = filtered_covariance[i, r, c]
         elif bits[i] & 1:
             x[0, 0], x[1, 0] = anchor[i, 0], anchor[i, 1]
-            settings[5] = 1.0
-        settings[6], settings[7] = acceleration[i, 0], acceleration[i, 1]
+            settings[STARTED] = 1.0
+        settings[LAST], settings[LAST + 1] = acceleration[i, 0], acceleration[i, 1]
         for axis in range(2):
             for r in range(3):
                 predicted[i, axis, r] = x[axis, r]
@@ -111,9 +112,9 @@ def forward(
             for c in range(3):
                 predicted_covariance[i, r, c] = p[r, c]
         if bits[i] & 1:
-            _measure(x, p, 0, anchor[i, 0], anchor[i, 1], settings[3] / h)
+            _measure(x, p, 0, anchor[i, 0], anchor[i, 1], settings[ANCHOR2] / h)
         if bits[i] & 2:
-            _measure(x, p, 1, 0.0, 0.0, settings[4] / h)
+            _measure(x, p, 1, 0.0, 0.0, settings[STANDING2] / h)
         for axis in range(2):
             for r in range(3):
                 filtered[i, axis, r] = x[axis, r]

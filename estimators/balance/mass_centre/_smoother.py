@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.balance.mass_centre import _kernel as kernel
 from estimators.balance.mass_centre._kernel import STATES, forward
 from estimators.balance.mass_centre._published import (
     MassCentre,
@@ -168,7 +169,7 @@ class LiveMassCentre:
         floor = np.where(usable, cop_m[:, 2], 0.0)
         anchor = momentum_anchor(force, np.where(usable[:, None], cop_m, 0.0), height - floor)
         bits = np.asarray(usable + 2 * (is_standing & usable), dtype=np.uint8)
-        known = np.full(samples, self._settings[5] > 0.0) | np.maximum.accumulate(usable)
+        known = np.full(samples, self._settings[kernel.STARTED] > 0.0) | np.maximum.accumulate(usable)
         records = _Records(samples)
         records.run(self._settings, rate[:, :2], anchor[:, :2], bits, self._x, self._p)
         state = np.where(known[:, None, None], records.filtered, np.nan)
@@ -250,19 +251,13 @@ class _Records:
 
 
 def _settings(parameters: MassCentreParameters, rate_hz: float) -> Float:
-    step_s = 1.0 / rate_hz
-    return np.array(
-        [
-            step_s,
-            parameters.acceleration_density**2,
-            parameters.acceleration_walk**2,
-            parameters.anchor_density**2,
-            parameters.standing_density**2,
-            0.0,
-            0.0,
-            0.0,
-        ]
-    )
+    settings = np.zeros(kernel.SETTINGS)
+    settings[kernel.STEP] = 1.0 / rate_hz
+    settings[kernel.FORCE2] = parameters.acceleration_density**2
+    settings[kernel.BIAS2] = parameters.acceleration_walk**2
+    settings[kernel.ANCHOR2] = parameters.anchor_density**2
+    settings[kernel.STANDING2] = parameters.standing_density**2
+    return settings
 
 
 __all__ = ["LiveMassCentre", "MassCentreParameters", "smooth_mass_centre"]

@@ -41,6 +41,7 @@ _ADAPTIVE, _BY_DISTANCE, _GAIN, _FIXED = (
     at.FIXED_TICKS,
 )
 _WAIT_UNTIL = at.WAIT_UNTIL
+_EP, _EU, _ET, _EA, _POSE_ERRORS = at.E_POSITION, at.E_VELOCITY, at.E_ATTITUDE, at.E_FORCE, at.POSE_ERRORS
 _COILS, _O_COIL, _O_CURRENT, _O_SCORES, _O_TICKS = at.COILS, at.O_COIL, at.O_CURRENT, at.O_SCORES, at.O_TICKS
 
 
@@ -52,16 +53,14 @@ def score_after(p: Float, h: Float, r: Float, zero: Float, limit_p: float, limit
     if innovate(p, h, r, zero, gain) < 0.0:
         return math.inf
     score = 0.0
-    for i in range(9):
-        if 3 <= i < 6:
-            continue
+    for i in _POSE_ERRORS:
         reduced = p[i, i]
         for a in range(3):
             total = 0.0
-            for k in range(9):
+            for k in range(_EA):
                 total += h[a, k] * p[k, i]
             reduced -= gain[i, a] * total
-        score += reduced / (limit_p * limit_p if i < 3 else limit_a * limit_a)
+        score += reduced / (limit_p * limit_p if i < _EU else limit_a * limit_a)
     return score
 
 
@@ -146,8 +145,8 @@ def decide(
                 scale = min(1.5, max(0.5, r / 0.4))
             above = False
             for i in range(3):
-                above = above or p[i, i] > (scale * settings[_LIMIT_P]) ** 2
-                above = above or p[6 + i, 6 + i] > (scale * settings[_LIMIT_A]) ** 2
+                above = above or p[_EP + i, _EP + i] > (scale * settings[_LIMIT_P]) ** 2
+                above = above or p[_ET + i, _ET + i] > (scale * settings[_LIMIT_A]) ** 2
             if above:
                 scores = np.full(3, np.inf)
                 coil = choose(loops, nominal, rates, settings, p, current, scores)
@@ -156,7 +155,8 @@ def decide(
                 if coil > 0 and settings[_ADAPTIVE] > 0.0:
                     now = 0.0
                     for i in range(3):
-                        now += p[i, i] / settings[_LIMIT_P] ** 2 + p[6 + i, 6 + i] / settings[_LIMIT_A] ** 2
+                        now += p[_EP + i, _EP + i] / settings[_LIMIT_P] ** 2
+                        now += p[_ET + i, _ET + i] / settings[_LIMIT_A] ** 2
                     least = scores[coil - 1]
                     target = least + (1.0 - settings[_CURRENT_SHARE]) * (now - least)
                     current = choose_current(loops, float(coil - 1), nominal, rates, settings, p, target)

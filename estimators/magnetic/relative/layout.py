@@ -1,5 +1,7 @@
 """Where the compiled parts of the relative-pose filter find its state, settings, memory and counts."""
 
+import numpy as np
+
 # Nominal state.
 POSITION, VELOCITY, ATTITUDE, FORCE_BIAS, RATE_BIAS, SOURCE_FORCE_BIAS, SOURCE_RATE_BIAS = (
     0,
@@ -15,6 +17,10 @@ NOMINAL = 22
 # Error state: the same order with three for the attitude.
 E_POSITION, E_VELOCITY, E_ATTITUDE, E_FORCE, E_RATE, E_SOURCE_FORCE, E_SOURCE_RATE = 0, 3, 6, 9, 12, 15, 18
 ERRORS = 21
+POSE = np.r_[E_POSITION : E_POSITION + 3, E_ATTITUDE : E_ATTITUDE + 3]
+"""The errors of the pose, of which an output states the covariance."""
+POSE_ERRORS = tuple(POSE.tolist())
+"""The same for compiled code."""
 
 # Columns of a sample.
 GYROSCOPE, ACCELEROMETER, FIELD, SOURCE_GYROSCOPE, SOURCE_ACCELEROMETER, COIL, CURRENT = (
@@ -27,12 +33,34 @@ GYROSCOPE, ACCELEROMETER, FIELD, SOURCE_GYROSCOPE, SOURCE_ACCELEROMETER, COIL, C
     16,
 )
 SAMPLE = 17
+MEASURED = COIL
+"""The first so many columns are measured; the others state what the source did."""
+INERTIAL = np.r_[GYROSCOPE : GYROSCOPE + 6, SOURCE_GYROSCOPE : SOURCE_GYROSCOPE + 6]
+
+# What two samples say of the step between them, less the biases; and the rates among it, as updates take them.
+S_RATE, S_FORCE, S_SOURCE_RATE, S_SOURCE_FORCE = 0, 3, 6, 9
+SIGNALS = 12
+R_SENSOR, R_SOURCE = 0, 3
+RATES = 6
+
+# A pulse as it was read; see `pulse.pulse_value`.
+(
+    PULSE_VALUE,
+    PULSE_WHITE,
+    PULSE_CURRENT,
+    PULSE_LATE,
+    PULSE_PATH,
+    PULSE_AMBIENT,
+    PULSE_TURNING,
+    PULSE_LEVER,
+) = (0, 3, 4, 5, 6, 7, 10, 11)
+PULSE = 12
 RING = 128
 """Samples held: the longest pulse and its baseline must fit."""
 KEPT_POSITION, KEPT_ATTITUDE = SAMPLE, SAMPLE + 3
 RING_COLUMNS = SAMPLE + 7
 """With each sample the pose that was predicted for it: where the sensor was at every moment of a pulse."""
-PATH, PATH_COLUMNS = 16, 7
+PATH, PATH_COLUMNS, PATH_TURN = 16, 7, 3
 """Samples of a pulse that are predicted one by one at most; place, and turn from the source to the middle's axes."""
 
 # Memory: last used sample, sums of the standstill, references, burst, monitoring, account, budget, watch of the
@@ -41,8 +69,9 @@ LAST = 0
 SUM_RATE, SUM_SOURCE_RATE, SUM_FORCE, SUM_SOURCE_FORCE, SUM_FIELD = 15, 18, 21, 24, 27
 REFERENCE_NORM, REFERENCE_DIP = 30, 31
 BURST = 32
+BURST_VALUE, BURST_POSITION, BURST_ATTITUDE, BURST_CURRENT, BURST_TICK = 0, 3, 6, 10, 11
 BURST_COLUMNS = 12
-"""Of each of three pulses: value 3, nominal position 3, nominal attitude 4, current 1, tick of its middle 1."""
+"""Of each of three pulses; position and attitude are the nominal ones at its middle, whose tick is the last column."""
 NIS_WINDOW = BURST + 3 * BURST_COLUMNS
 NIS_LENGTH = 5
 ON_TIME, CHARGE, ENERGY = NIS_WINDOW + NIS_LENGTH, NIS_WINDOW + NIS_LENGTH + 1, NIS_WINDOW + NIS_LENGTH + 2
@@ -53,11 +82,12 @@ BUDGET_BINS = BUDGET_S + 1
 BUDGET_ON = ENERGY + 1
 BUDGET_SQUARED = BUDGET_ON + BUDGET_BINS
 SENSITIVITY = BUDGET_SQUARED + BUDGET_BINS
-"""Of the errors (21) to a moment of the coils that differs from the stated one, per unit; see `relative.moment`."""
-MOMENT_SCORE, MOMENT_INFORMATION, MOMENT_WRONG = SENSITIVITY + 21, SENSITIVITY + 22, SENSITIVITY + 23
+"""Of the errors to a moment of the coils that differs from the stated one, per unit; see `relative.moment`."""
+MOMENT_SCORE, MOMENT_INFORMATION, MOMENT_WRONG = range(SENSITIVITY + ERRORS, SENSITIVITY + ERRORS + 3)
 MEMORY = MOMENT_WRONG + 1
 
 # Counters.
+COUNTERS = 25
 (
     TICK,
     PHASE,
@@ -84,13 +114,13 @@ MEMORY = MOMENT_WRONG + 1
     REFUSED,
     RESTARTED,
     WIDE_AFTER,
-) = range(25)
-COUNTERS = 25
+) = range(COUNTERS)
 
 # Phases.
 CALIBRATE, GATHER, TRACK, WAIT = 0, 1, 2, 3
 
 # Settings.
+SETTINGS = 51
 (
     TIME_STEP,
     GRAVITY,
@@ -143,8 +173,7 @@ CALIBRATE, GATHER, TRACK, WAIT = 0, 1, 2, 3
     STREAK_PULSES,
     UNCERTAIN_POSITION,
     UNCERTAIN_ATTITUDE,
-) = range(51)
-SETTINGS = 51
+) = range(SETTINGS)
 
 # Columns of the output.
 (

@@ -26,6 +26,7 @@ _LIMIT, _KEEP, _TICK, _ALARM_UNTIL, _O_COV = (
     at.ALARM_UNTIL,
     at.O_COVARIANCE,
 )
+_POSE_ERRORS = at.POSE_ERRORS
 _SURE, _DOUBTFUL = 4.0, 2.0
 """Sigmas from which on the moment is called wrong, and below which it is no more."""
 
@@ -99,10 +100,12 @@ def judge_moment(settings: Float, memory: Float, counters: NDArray[np.int64], ou
         return
     counters[_ALARM_UNTIL] = max(counters[_ALARM_UNTIL], counters[_TICK] + 1)
     variance = share * share + 1.0 / information
-    for i in range(6):
-        a = memory[_V + (i if i < 3 else i + 3)]
-        for j in range(6):
-            out[_O_COV + 6 * i + j] += variance * a * memory[_V + (j if j < 3 else j + 3)]
+    column = _O_COV
+    for i in _POSE_ERRORS:
+        a = memory[_V + i]
+        for j in _POSE_ERRORS:
+            out[column] += variance * a * memory[_V + j]
+            column += 1
 
 
 __all__ = ["carry_sensitivity", "judge_moment", "learn_moment"]

@@ -20,6 +20,7 @@ _GYR, _ACC, _GYR_C, _ACC_C = at.GYROSCOPE, at.ACCELEROMETER, at.SOURCE_GYROSCOPE
 _TIME_STEP, _FORCE_SIGMA, _RATE_SIGMA = at.TIME_STEP, at.FORCE_SIGMA, at.RATE_SIGMA
 _FORCE_BIAS_SIGMA, _RATE_BIAS_SIGMA, _BIAS_DECAY = at.FORCE_BIAS_SIGMA, at.RATE_BIAS_SIGMA, at.BIAS_DECAY
 _PUBLISHED = at.PUBLISHED
+_WS, _FS, _WC, _FC = at.S_RATE, at.S_FORCE, at.S_SOURCE_RATE, at.S_SOURCE_FORCE
 
 Vector = tuple[float, float, float]
 _V = "UniTuple(float64, 3)"
@@ -55,20 +56,20 @@ def attitude_matrix(nominal: Float, out: Float) -> None:
 def corrected(nominal: Float, before: Float, now: Float, out: Float) -> None:
     """Write w_s, f_s, w_c, f_c: means of two samples, less the biases."""
     for i in range(3):
-        out[i] = 0.5 * (before[_GYR + i] + now[_GYR + i]) - nominal[_BG + i]
-        out[3 + i] = 0.5 * (before[_ACC + i] + now[_ACC + i]) - nominal[_BA + i]
-        out[6 + i] = 0.5 * (before[_GYR_C + i] + now[_GYR_C + i]) - nominal[_BGC + i]
-        out[9 + i] = 0.5 * (before[_ACC_C + i] + now[_ACC_C + i]) - nominal[_BAC + i]
+        out[_WS + i] = 0.5 * (before[_GYR + i] + now[_GYR + i]) - nominal[_BG + i]
+        out[_FS + i] = 0.5 * (before[_ACC + i] + now[_ACC + i]) - nominal[_BA + i]
+        out[_WC + i] = 0.5 * (before[_GYR_C + i] + now[_GYR_C + i]) - nominal[_BGC + i]
+        out[_FC + i] = 0.5 * (before[_ACC_C + i] + now[_ACC_C + i]) - nominal[_BAC + i]
 
 
 @kernel("void(float64[::1], float64[::1], float64, boolean)")
 def mechanise(nominal: Float, signals: Float, time_step: float, published: bool) -> None:
     """Carry position, velocity and attitude over a step (method page 3.3; published: 3.2)."""
     t = time_step
-    ws = (signals[0], signals[1], signals[2])
-    fs = (signals[3], signals[4], signals[5])
-    wc = (signals[6], signals[7], signals[8])
-    fc = (signals[9], signals[10], signals[11])
+    ws = (signals[_WS], signals[_WS + 1], signals[_WS + 2])
+    fs = (signals[_FS], signals[_FS + 1], signals[_FS + 2])
+    wc = (signals[_WC], signals[_WC + 1], signals[_WC + 2])
+    fc = (signals[_FC], signals[_FC + 1], signals[_FC + 2])
     # The published position integral takes the source axes as fixed.
     c = (0.0, 0.0, 0.0) if published else wc
     p = (nominal[_P], nominal[_P + 1], nominal[_P + 2])
@@ -125,9 +126,9 @@ def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: F
             f[i, j] = 0.0
     r = np.empty((3, 3))
     attitude_matrix(nominal, r)
-    ws = (signals[0], signals[1], signals[2])
-    fs = (signals[3], signals[4], signals[5])
-    wc = (signals[6], signals[7], signals[8])
+    ws = (signals[_WS], signals[_WS + 1], signals[_WS + 2])
+    fs = (signals[_FS], signals[_FS + 1], signals[_FS + 2])
+    wc = (signals[_WC], signals[_WC + 1], signals[_WC + 2])
     for i in range(3):
         f[_EP + i, _EU + i] = 1.0
         f[_ET + i, _EG + i] = 1.0
@@ -215,15 +216,15 @@ def predict(
             p[_EGC + i, _EGC + i] += rate_walk
     if not published:
         # Noise of the source gyroscope turns position, velocity and attitude together.
-        lever, r = np.zeros((9, 3)), np.empty((3, 3))
+        lever, r = np.zeros((_EA, 3)), np.empty((3, 3))
         attitude_matrix(nominal, r)
-        add_skew(lever, 0, 0, 1.0, nominal[_P], nominal[_P + 1], nominal[_P + 2])
-        add_skew(lever, 3, 0, 1.0, nominal[_U], nominal[_U + 1], nominal[_U + 2])
+        add_skew(lever, _EP, 0, 1.0, nominal[_P], nominal[_P + 1], nominal[_P + 2])
+        add_skew(lever, _EU, 0, 1.0, nominal[_U], nominal[_U + 1], nominal[_U + 2])
         for i in range(3):
             for j in range(3):
-                lever[6 + i, j] = -r[j, i]
-        for i in range(9):
-            for j in range(9):
+                lever[_ET + i, j] = -r[j, i]
+        for i in range(_EA):
+            for j in range(_EA):
                 total = lever[i, 0] * lever[j, 0] + lever[i, 1] * lever[j, 1] + lever[i, 2] * lever[j, 2]
                 p[i, j] += total * rate * t * t
     symmetrise(p)

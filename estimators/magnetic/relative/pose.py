@@ -327,8 +327,7 @@ class RelativePoseFilter:
             [0.0, 0.01, 0.0, p.force_bias_sigma_mps2, sigma, p.force_bias_sigma_mps2, sigma], 3
         )
         self._covariance[:] = np.diag(variances**2)
-        pose = np.r_[0:3, 6:9]
-        self._covariance[np.ix_(pose, pose)] = covariance
+        self._covariance[np.ix_(at.POSE, at.POSE)] = covariance
         self._memory[at.SENSITIVITY : at.MEMORY] = 0.0
         self._counters[at.PHASE] = at.TRACK
         self._counters[at.STARTED] = 1

@@ -22,6 +22,17 @@ _FIELD_SIGMA, _RATE_SIGMA, _TIME_STEP, _EARTH, _FULL_SCALE = (
 )
 _KEPT_P, _KEPT_Q = at.KEPT_POSITION, at.KEPT_ATTITUDE
 _ON_TICKS, _OFF_TICKS = at.ON_TICKS, at.OFF_TICKS
+_WS, _WC, _TURN = at.R_SENSOR, at.R_SOURCE, at.PATH_TURN
+_VALUE, _WHITE, _AMPERES, _LATE, _ROWS, _AMBIENT, _TURNING, _LEVER = (
+    at.PULSE_VALUE,
+    at.PULSE_WHITE,
+    at.PULSE_CURRENT,
+    at.PULSE_LATE,
+    at.PULSE_PATH,
+    at.PULSE_AMBIENT,
+    at.PULSE_TURNING,
+    at.PULSE_LEVER,
+)
 
 
 @kernel("float64(float64[::1])")
@@ -98,7 +109,7 @@ def pulse_value(
     mean). Returns 0 when sound, 1 without a usable sample
     (none, or all of them the same to the last bit: the magnetometer is stuck), 2 when saturated.
     """
-    out[6] = 0.0
+    out[_ROWS] = 0.0
     t = settings[_TIME_STEP]
     first = last - length + 1
     middle = first + (length - 1) // 2
@@ -151,16 +162,16 @@ def pulse_value(
                 shares[0 if direction < 0 else 1, group, abs(k - middle)] = own
                 if group == 0:
                     current += row[_CURRENT]
-                    if out[6] < path.shape[0]:
-                        place = path[int(out[6])]
-                        out[6] += 1.0
+                    if out[_ROWS] < path.shape[0]:
+                        place = path[int(out[_ROWS])]
+                        out[_ROWS] += 1.0
                         retained = row[_KEPT_Q : _KEPT_Q + 4]
                         m = multiply(
                             q[0], q[1], q[2], q[3], retained[0], -retained[1], -retained[2], -retained[3]
                         )
                         for i in range(3):
                             place[i] = row[_KEPT_P + i]
-                        place[3], place[4], place[5], place[6] = m
+                        place[_TURN], place[_TURN + 1], place[_TURN + 2], place[_TURN + 3] = m
             if counts[1] > 0.0:
                 weight *= fade
             k += direction
@@ -168,14 +179,14 @@ def pulse_value(
         return 1
     quiet = shares[:, 1].sum()
     for i in range(3):
-        out[7 + i] = sums[1, i] / quiet
-        out[i] = sums[0, i] / counts[0] - out[7 + i]
+        out[_AMBIENT + i] = sums[1, i] / quiet
+        out[_VALUE + i] = sums[0, i] / counts[0] - out[_AMBIENT + i]
     white, turning, lever = spread(shares)
-    out[3] = settings[_FIELD_SIGMA] ** 2 * white
-    out[10] = (settings[_RATE_SIGMA] * t) ** 2 * turning
-    out[11] = t * lever
-    out[4] = current / counts[0]
-    out[5] = float(last - middle)
+    out[_WHITE] = settings[_FIELD_SIGMA] ** 2 * white
+    out[_TURNING] = (settings[_RATE_SIGMA] * t) ** 2 * turning
+    out[_LEVER] = t * lever
+    out[_AMPERES] = current / counts[0]
+    out[_LATE] = float(last - middle)
     if saturated:
         return 2
     return 1 if stuck else 0
@@ -199,13 +210,13 @@ def predict_pulse(
     `rates` are the corrected rates of sensor and source, `h` has shape (3, 21) and must be zero elsewhere.
     """
     p = (nominal[_P], nominal[_P + 1], nominal[_P + 2])
-    wc = (rates[3], rates[4], rates[5])
+    wc = (rates[_WC], rates[_WC + 1], rates[_WC + 2])
     cp = cross(wc[0], wc[1], wc[2], p[0], p[1], p[2])
     px = p[0] - delay * (nominal[_U] - cp[0])
     py = p[1] - delay * (nominal[_U + 1] - cp[1])
     pz = p[2] - delay * (nominal[_U + 2] - cp[2])
     ahead = exponential(delay * wc[0], delay * wc[1], delay * wc[2])
-    turn = exponential(-delay * rates[0], -delay * rates[1], -delay * rates[2])
+    turn = exponential(-delay * rates[_WS], -delay * rates[_WS + 1], -delay * rates[_WS + 2])
     q = multiply(
         ahead[0], ahead[1], ahead[2], ahead[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
     )
@@ -265,14 +276,14 @@ def predict_path(
     3.7, whose single instant is `predict_pulse`). `path` is that of the nominal state; what the trial state differs
     in is carried back by `delay`.
     """
-    wc = (rates[3], rates[4], rates[5])
+    wc = (rates[_WC], rates[_WC + 1], rates[_WC + 2])
     # d(p then)/dp = I + delay [w_c]x, d(p then)/du = -delay
     x = (
         (1.0, -delay * wc[2], delay * wc[1]),
         (delay * wc[2], 1.0, -delay * wc[0]),
         (-delay * wc[1], delay * wc[0], 1.0),
     )
-    turn = exponential(-delay * rates[0], -delay * rates[1], -delay * rates[2])
+    turn = exponential(-delay * rates[_WS], -delay * rates[_WS + 1], -delay * rates[_WS + 2])
     a = multiply(
         nominal[_Q],
         -nominal[_Q + 1],
@@ -289,16 +300,16 @@ def predict_path(
         off[i] = -delay * (trial[_U + i] - nominal[_U + i])
         for j in range(3):
             off[i] += x[i][j] * (trial[_P + j] - nominal[_P + j])
-    count = int(pulse[6])
+    count = int(pulse[_ROWS])
     mean, gradient = np.zeros(3), np.zeros((3, 3))
     for k in range(count):
-        m = path[k]
-        f = coil_field(loops, coil, pulse[4], m[0] + off[0], m[1] + off[1], m[2] + off[2])
+        m, turned = path[k], path[k, _TURN:]
+        f = coil_field(loops, coil, pulse[_AMPERES], m[0] + off[0], m[1] + off[1], m[2] + off[2])
         columns = (
-            rotate(m[3], m[4], m[5], m[6], f[0], f[1], f[2]),
-            rotate(m[3], m[4], m[5], m[6], f[3], f[4], f[5]),
-            rotate(m[3], m[4], m[5], m[6], f[4], f[6], f[7]),
-            rotate(m[3], m[4], m[5], m[6], f[5], f[7], f[8]),
+            rotate(turned[0], turned[1], turned[2], turned[3], f[0], f[1], f[2]),
+            rotate(turned[0], turned[1], turned[2], turned[3], f[3], f[4], f[5]),
+            rotate(turned[0], turned[1], turned[2], turned[3], f[4], f[6], f[7]),
+            rotate(turned[0], turned[1], turned[2], turned[3], f[5], f[7], f[8]),
         )
         for i in range(3):
             mean[i] += columns[0][i] / count

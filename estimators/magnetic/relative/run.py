@@ -76,6 +76,15 @@ _O_Q, _O_U, _O_COV, _O_NIS, _O_FLAGS = at.O_ATTITUDE, at.O_VELOCITY, at.O_COVARI
 
 _KEPT_P, _KEPT_Q, _PATH, _PATH_COLUMNS = at.KEPT_POSITION, at.KEPT_ATTITUDE, at.PATH, at.PATH_COLUMNS
 _GAP_LENGTH, _TRACK = at.GAP_LENGTH, at.TRACK
+_GYR, _GYR_C, _MEASURED, _EP, _POSE_ERRORS = (
+    at.GYROSCOPE,
+    at.SOURCE_GYROSCOPE,
+    at.MEASURED,
+    at.E_POSITION,
+    at.POSE_ERRORS,
+)
+_SIGNALS, _RATES, _PULSE, _LATE = at.SIGNALS, at.RATES, at.PULSE, at.PULSE_LATE
+_S_RATE, _S_SOURCE_RATE, _R_SENSOR, _R_SOURCE = at.S_RATE, at.S_SOURCE_RATE, at.R_SENSOR, at.R_SOURCE
 _GAP_FORCE, _GAP_RATE = 30.0, 8.0
 """White noise of a held sample that stands for 3 m/s^2 and 1 rad/s held wrongly over some tenths of a second."""
 _UNREAD = 3
@@ -102,7 +111,8 @@ def fail(settings: Float, counters: NDArray[np.int64]) -> None:
 def too_wide(nominal: Float, p: Float) -> bool:
     """Whether the place is known too badly, against the distance, for pulses one by one."""
     distance = nominal[_P] ** 2 + nominal[_P + 1] ** 2 + nominal[_P + 2] ** 2
-    return bool(p[0, 0] + p[1, 1] + p[2, 2] > _WIDE_SHARE * _WIDE_SHARE * distance)
+    variance = p[_EP, _EP] + p[_EP + 1, _EP + 1] + p[_EP + 2, _EP + 2]
+    return bool(variance > _WIDE_SHARE * _WIDE_SHARE * distance)
 
 
 @kernel(
@@ -124,7 +134,7 @@ def end_pulse(
 ) -> float:
     """Use a pulse that has just ended; return its normalised innovation squared, NaN when it corrected nothing."""
     phase = counters[_PHASE]
-    pulse, path = np.empty(12), np.empty((_PATH, _PATH_COLUMNS))
+    pulse, path = np.empty(_PULSE), np.empty((_PATH, _PATH_COLUMNS))
     counters[_PULSES] += 1
     counters[_MISSED_RUN] = 0
     if phase == _WAIT and coil == 1 and counters[_STARTED] > 0:
@@ -139,7 +149,7 @@ def end_pulse(
     gathering = phase == _GATHER
     off = int(settings[_START_OFF] if gathering else settings[_OFF])
     status = pulse_value(ring, counters[_TICK] - 1, length, off, nominal, settings, pulse, path)
-    pulse[5] += 1.0
+    pulse[_LATE] += 1.0
     if status != 0:
         if status == 2:
             counters[_SATURATED_UNTIL] = counters[_TICK] + int(settings[_ALARM])
@@ -148,8 +158,8 @@ def end_pulse(
     if gathering:
         counters[_FAILURES] = 0
         if coil == counters[_BURST_COIL] + 1:
-            middle = ring[(counters[_TICK] - int(pulse[5])) % _RING]
-            keep_pulse(pulse, middle, memory, coil - 1, counters[_TICK] - int(pulse[5]))
+            middle = ring[(counters[_TICK] - int(pulse[_LATE])) % _RING]
+            keep_pulse(pulse, middle, memory, coil - 1, counters[_TICK] - int(pulse[_LATE]))
             counters[_BURST_COIL] += 1
             if counters[_BURST_COIL] == 3:
                 counters[_EVENT] = 1
@@ -201,12 +211,13 @@ def tick(
     """Take one sample of both modules and the state of the coils."""
     row = ring[counters[_TICK] % _RING]
     total = 0.0
-    for i in range(12):
-        total += sample[i] if i < 6 else sample[i + 3]
+    for first in (_GYR, _GYR_C):
+        for i in range(first, first + 6):
+            total += sample[i]
     whole = math.isfinite(total)
     for i in range(_SAMPLE):
         row[i] = sample[i]
-    last = memory[_LAST : _LAST + 15]
+    last = memory[_LAST : _LAST + _MEASURED]
     if whole:
         if counters[_GAP_LENGTH] * settings[_T] > _LONG_GAP_S and counters[_PHASE] == _TRACK:
             gather(counters)
@@ -214,8 +225,8 @@ def tick(
     else:
         counters[_GAP_LENGTH] += 1
         # No pulse may be read across what the gyroscope did not see.
-        row[0] = math.nan
-    signals, rates = np.empty(12), np.empty(6)
+        row[_GYR] = math.nan
+    signals, rates = np.empty(_SIGNALS), np.empty(_RATES)
     corrected(nominal, last, row if whole else last, signals)
     if counters[_STARTED] > 0:
         force = settings[_FORCE] if whole else _GAP_FORCE
@@ -226,7 +237,7 @@ def tick(
         relax(nominal, settings)
     for i in range(3):
         row[_KEPT_P + i] = nominal[_P + i]
-        rates[i], rates[3 + i] = signals[i], signals[6 + i]
+        rates[_R_SENSOR + i], rates[_R_SOURCE + i] = signals[_S_RATE + i], signals[_S_SOURCE_RATE + i]
     for i in range(4):
         row[_KEPT_Q + i] = nominal[_Q + i]
     coil = int(sample[_COIL])
@@ -281,16 +292,17 @@ def tick(
         counters[_PENDING] = 0
     decide(loops, settings, rates, nominal, p, memory, counters, out)
     if whole:
-        for i in range(15):
+        for i in range(_MEASURED):
             last[i] = row[i]
     for i in range(3):
         out[_O_P + i], out[_O_U + i] = nominal[_P + i], nominal[_U + i]
     for i in range(4):
         out[_O_Q + i] = nominal[_Q + i]
-    for i in range(6):
-        a = i if i < 3 else i + 3
-        for j in range(6):
-            out[_O_COV + 6 * i + j] = p[a, j if j < 3 else j + 3]
+    column = _O_COV
+    for i in _POSE_ERRORS:
+        for j in _POSE_ERRORS:
+            out[column] = p[i, j]
+            column += 1
     if counters[_STARTED] > 0:
         judge_moment(settings, memory, counters, out)
     out[_O_FLAGS] = float(tell(sample, settings, counters, p))

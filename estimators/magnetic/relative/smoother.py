@@ -25,7 +25,8 @@ _T, _DECAY, _PUBLISHED, _FORCE, _RATE = (
     at.RATE_SIGMA,
 )
 _P, _U, _Q, _BA, _NOMINAL = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.NOMINAL
-_ET, _EA, _ERRORS = at.E_ATTITUDE, at.E_FORCE, at.ERRORS
+_EP, _EU, _ET, _EA, _ERRORS = at.E_POSITION, at.E_VELOCITY, at.E_ATTITUDE, at.E_FORCE, at.ERRORS
+_SIGNALS = at.SIGNALS
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,15 @@ class SmoothedPose:
 def difference(a: Float, b: Float, out: Float) -> None:
     """Write the error that, taken out of b, gives a: estimate minus truth with b as the estimate."""
     for i in range(3):
-        out[i] = b[_P + i] - a[_P + i]
-        out[3 + i] = b[_U + i] - a[_U + i]
+        out[_EP + i] = b[_P + i] - a[_P + i]
+        out[_EU + i] = b[_U + i] - a[_U + i]
     q = multiply(a[_Q], -a[_Q + 1], -a[_Q + 2], -a[_Q + 3], b[_Q], b[_Q + 1], b[_Q + 2], b[_Q + 3])
     sign = 1.0 if q[0] >= 0.0 else -1.0
     sine = np.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     scale = 2.0 if sine < 1e-9 else 2.0 * np.arctan2(sine, sign * q[0]) / sine
     for i in range(3):
         out[_ET + i] = sign * scale * q[1 + i]
-    for i in range(12):
+    for i in range(_ERRORS - _EA):
         out[_EA + i] = a[_BA + i] - b[_BA + i]
 
 
@@ -95,7 +96,7 @@ def backward(
     work = np.empty((3, n, n))
     f, phi, gain = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
     prior, change = np.empty((n, n)), np.empty((n, n))
-    signals, error, moved = np.empty(12), np.empty(n), np.empty(n)
+    signals, error, moved = np.empty(_SIGNALS), np.empty(n), np.empty(n)
     t, published = settings[_T], settings[_PUBLISHED] > 0.0
     for k in range(count - 1, -1, -1):
         for i in range(nominal.shape[1]):
@@ -184,14 +185,13 @@ def smooth_table(
     smoothed, before = np.empty_like(nominal), nominal.copy()
     smoothed_covariance = np.empty_like(covariance)
     backward(held, restarted, valid, nominal, covariance, settings, smoothed, smoothed_covariance, before)
-    pose = np.r_[0:3, 6:9]
     filtered = RelativeResult.of_table(out)
     updates = np.isfinite(filtered.nis) | restarted
     return SmoothedPose(
         smoothed[:, _P : _P + 3],
         rotation.positive(smoothed[:, _Q : _Q + 4]),
         smoothed[:, _U : _U + 3],
-        smoothed_covariance[:, pose[:, None], pose[None, :]],
+        smoothed_covariance[:, at.POSE[:, None], at.POSE[None, :]],
         valid,
         _redistribute(nominal[:, _P : _P + 3], before[:, _P : _P + 3], updates & ~restarted, restarted),
         filtered,
@@ -200,13 +200,12 @@ def smooth_table(
 
 def _hold(samples: Float) -> None:
     """Put the last whole sample where one is missing, as the filter does."""
-    inertial = np.r_[0:6, 9:15]
-    bad = ~np.isfinite(samples[:, inertial]).all(axis=1)
+    bad = ~np.isfinite(samples[:, at.INERTIAL]).all(axis=1)
     for k in np.flatnonzero(bad):
         if k:
-            samples[k, inertial] = samples[k - 1, inertial]
+            samples[k, at.INERTIAL] = samples[k - 1, at.INERTIAL]
         else:
-            samples[k, inertial] = 0.0
+            samples[k, at.INERTIAL] = 0.0
 
 
 def _redistribute(

@@ -29,10 +29,9 @@ _STEP = 0.05
 _VELOCITY = slice(at.E_VELOCITY, at.E_VELOCITY + 3)
 _ATTITUDE = slice(at.E_ATTITUDE, at.E_ATTITUDE + 3)
 _NOMINAL_ATTITUDE = slice(at.ATTITUDE, at.ATTITUDE + 4)
-_POSE = np.r_[at.E_POSITION : at.E_POSITION + 3, at.E_ATTITUDE : at.E_ATTITUDE + 3]
-# Columns of a pulse of a burst; see `layout.BURST_COLUMNS`.
-_PULSE_VALUE, _PULSE_PLACE, _PULSE_ATTITUDE = slice(0, 3), slice(3, 6), slice(6, 10)
-_PULSE_CURRENT, _PULSE_TICK = 10, 11
+_PULSE_VALUE = slice(at.BURST_VALUE, at.BURST_VALUE + 3)
+_PULSE_PLACE = slice(at.BURST_POSITION, at.BURST_POSITION + 3)
+_PULSE_ATTITUDE = slice(at.BURST_ATTITUDE, at.BURST_ATTITUDE + 4)
 
 
 @dataclass(frozen=True)
@@ -164,9 +163,9 @@ def _restart(
     if p.published_mechanisation:
         variances[at.E_SOURCE_FORCE :] = 0.0
     covariance[:] = np.diag(variances)
-    covariance[np.ix_(_POSE, _POSE)] = fix_covariance
+    covariance[np.ix_(at.POSE, at.POSE)] = fix_covariance
     memory[at.SENSITIVITY : at.SENSITIVITY + at.ERRORS] = 0.0
-    memory[at.SENSITIVITY + _POSE] = burst.slope
+    memory[at.SENSITIVITY + at.POSE] = burst.slope
 
 
 def _solve(
@@ -182,7 +181,7 @@ def _solve(
     rows = memory[at.BURST : at.BURST + 3 * at.BURST_COLUMNS].reshape(3, at.BURST_COLUMNS)
     started = bool(counters[at.STARTED])
     here = nominal[at.POSITION : at.POSITION + 3].copy()
-    back = (counters[at.TICK] - 1 - rows[:, _PULSE_TICK]) * settings[at.TIME_STEP]
+    back = (counters[at.TICK] - 1 - rows[:, at.BURST_TICK]) * settings[at.TIME_STEP]
     ago_s, last, turned = 0.0, None, None
     if started:
         ago_s, last = float(back.mean()), here
@@ -195,7 +194,7 @@ def _solve(
         return locate(
             source,
             np.arange(3),
-            share * rows[:, _PULSE_CURRENT],
+            share * rows[:, at.BURST_CURRENT],
             rows[:, _PULSE_VALUE],
             _field_sigma(settings),
             direction=direction if np.any(direction != 0.0) else None,
@@ -277,7 +276,7 @@ def _gain(
     turn = rotation.multiply(rotation.conjugate(fix.q_source_sensor), nominal[at.ATTITUDE : at.ATTITUDE + 4])
     error = np.concatenate([estimate_m - fix.position_m, rotation.log(turn)])
     h = np.zeros((6, at.ERRORS))
-    h[np.arange(6), _POSE] = 1.0
+    h[np.arange(6), at.POSE] = 1.0
     h[np.arange(3), np.arange(at.E_VELOCITY, at.E_VELOCITY + 3)] = -ago_s
     gain = np.linalg.solve(h @ covariance @ h.T + fix.covariance, h @ covariance).T
     return np.asarray(gain, dtype=np.float64), np.asarray(error), h
@@ -288,7 +287,7 @@ def _left(fix: Fix, ago_s: float, covariance: Float) -> float:
     if not np.isfinite(fix.covariance).all():
         return _RESTART_VELOCITY_MPS
     h = np.zeros((6, at.ERRORS))
-    h[np.arange(6), _POSE] = 1.0
+    h[np.arange(6), at.POSE] = 1.0
     h[np.arange(3), np.arange(at.E_VELOCITY, at.E_VELOCITY + 3)] = -ago_s
     taken = np.linalg.solve(h @ covariance @ h.T + fix.covariance, h @ covariance)
     left = np.diagonal(covariance - covariance @ h.T @ taken)[_VELOCITY]

@@ -16,6 +16,14 @@ _Q, _ET, _EA, _EG, _EAC = at.ATTITUDE, at.E_ATTITUDE, at.E_FORCE, at.E_RATE, at.
 _TIME_STEP, _GAIN_SIGMA, _PASSES, _NIS_SOFT = at.TIME_STEP, at.GAIN_SIGMA, at.PASSES, at.NIS_SOFT
 _NIS_STREAK = at.NIS_STREAK
 _INCLINATION_SIGMA = at.INCLINATION_SIGMA
+_FS, _FC, _LATE = at.S_FORCE, at.S_SOURCE_FORCE, at.PULSE_LATE
+_VALUE, _WHITE, _AMBIENT, _TURNING, _LEVER = (
+    at.PULSE_VALUE,
+    at.PULSE_WHITE,
+    at.PULSE_AMBIENT,
+    at.PULSE_TURNING,
+    at.PULSE_LEVER,
+)
 _DONE = 1e-7
 _SEEN, _CLEAR = 5.42, 25.0
 """Times the noise (all three axes): below the first (99.9 % point) a field is none, above the second it is clear."""
@@ -88,21 +96,24 @@ def update_pulse(
     value, innovation, right = np.empty(3), np.empty(3), np.empty(3)
     expected, straight, surprise = value, h, innovation
     correction, trial = np.zeros(n), nominal.copy()
-    delay = pulse[5] * settings[_TIME_STEP]
+    delay = pulse[_LATE] * settings[_TIME_STEP]
     first, is_doubtful = -1.0, False
-    ambient = pulse[7] ** 2 + pulse[8] ** 2 + pulse[9] ** 2
+    field = pulse[_AMBIENT : _AMBIENT + 3]
+    ambient = field[0] ** 2 + field[1] ** 2 + field[2] ** 2
     # An error of the gyroscope's offset turns the ambient field that is taken off the pulse.
-    add_skew(h, 0, _EG, pulse[11], pulse[7], pulse[8], pulse[9])
+    add_skew(h, 0, _EG, pulse[_LEVER], field[0], field[1], field[2])
     for number in range(int(settings[_PASSES])):
         predict_path(loops, coil, pulse, path, delay, nominal, trial, rates, value, h)
         if number == 0:
             size = value[0] * value[0] + value[1] * value[1] + value[2] * value[2]
             for i in range(3):
                 for j in range(3):
-                    r[i, j] = -inflation * pulse[10] * pulse[7 + i] * pulse[7 + j]
-                r[i, i] += inflation * (pulse[3] + pulse[10] * ambient + settings[_GAIN_SIGMA] ** 2 * size)
+                    r[i, j] = -inflation * pulse[_TURNING] * field[i] * field[j]
+                r[i, i] += inflation * (
+                    pulse[_WHITE] + pulse[_TURNING] * ambient + settings[_GAIN_SIGMA] ** 2 * size
+                )
         for i in range(3):
-            innovation[i] = value[i] - pulse[i]
+            innovation[i] = value[i] - pulse[_VALUE + i]
         nis = innovate(p, h, r, innovation, gain)
         if nis < 0.0 or not math.isfinite(nis):
             return -1.0
@@ -111,8 +122,8 @@ def update_pulse(
             # Before the correction, so that noise of this pulse is in the innovation alone.
             expected, straight, surprise = value.copy(), h.copy(), innovation.copy()
             # With a noise of its own alone: what the expected field is wrong by is no noise of a field of zero.
-            noise = 3.0 * inflation * (pulse[3] + pulse[10] * ambient)
-            seen = pulse[0] * pulse[0] + pulse[1] * pulse[1] + pulse[2] * pulse[2]
+            noise = 3.0 * inflation * (pulse[_WHITE] + pulse[_TURNING] * ambient)
+            seen = pulse[_VALUE] ** 2 + pulse[_VALUE + 1] ** 2 + pulse[_VALUE + 2] ** 2
             if nis > settings[_NIS_SOFT] and seen < _SEEN * noise and size > _CLEAR * noise:
                 return UNSEEN
             if nis > _OFF:
@@ -136,7 +147,7 @@ def update_pulse(
         largest = 0.0
         for i in range(3):
             right[i] = innovation[i]
-            for k in range(9):
+            for k in range(_EA):
                 right[i] += h[i, k] * correction[k]
         for i in range(n):
             total = gain[i, 0] * right[0] + gain[i, 1] * right[1] + gain[i, 2] * right[2]
@@ -181,10 +192,16 @@ def update_inclination(
     innovation, correction, r = np.empty(3), np.empty(n), np.empty((3, 3))
     attitude_matrix(nominal, r)
     seen = rotate_back(
-        nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3], signals[9], signals[10], signals[11]
+        nominal[_Q],
+        nominal[_Q + 1],
+        nominal[_Q + 2],
+        nominal[_Q + 3],
+        signals[_FC],
+        signals[_FC + 1],
+        signals[_FC + 2],
     )
     for i in range(3):
-        innovation[i] = seen[i] - signals[3 + i]
+        innovation[i] = seen[i] - signals[_FS + i]
         noise[i, i] = factor * settings[_INCLINATION_SIGMA] ** 2
         h[i, _EA + i] = -1.0
         for j in range(3):

@@ -9,7 +9,12 @@ from estimators._kernels import kernel
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 
-_BG, _BGC, _KEPT_P = at.RATE_BIAS, at.SOURCE_RATE_BIAS, at.KEPT_POSITION
+_BG, _BGC, _KEPT_P, _KEPT_Q = at.RATE_BIAS, at.SOURCE_RATE_BIAS, at.KEPT_POSITION, at.KEPT_ATTITUDE
+_MODULES = ((at.S_RATE, at.S_FORCE), (at.S_SOURCE_RATE, at.S_SOURCE_FORCE))
+_EP, _ET = at.E_POSITION, at.E_ATTITUDE
+_B_VALUE, _B_P, _B_Q = at.BURST_VALUE, at.BURST_POSITION, at.BURST_ATTITUDE
+_B_CURRENT, _B_TICK = at.BURST_CURRENT, at.BURST_TICK
+_PULSE_VALUE, _PULSE_CURRENT = at.PULSE_VALUE, at.PULSE_CURRENT
 _GYR, _ACC, _FIELD, _GYR_C, _ACC_C = (
     at.GYROSCOPE,
     at.ACCELEROMETER,
@@ -75,9 +80,9 @@ _REST_S = 0.7
 @kernel("boolean(float64[::1], float64[::1])")
 def quasi_static(signals: Float, settings: Float) -> bool:
     """Whether both modules hardly turn and feel little but gravity at a moment."""
-    for o in (0, 6):
-        rate = math.sqrt(signals[o] ** 2 + signals[o + 1] ** 2 + signals[o + 2] ** 2)
-        force = math.sqrt(signals[o + 3] ** 2 + signals[o + 4] ** 2 + signals[o + 5] ** 2)
+    for w, f in _MODULES:
+        rate = math.sqrt(signals[w] ** 2 + signals[w + 1] ** 2 + signals[w + 2] ** 2)
+        force = math.sqrt(signals[f] ** 2 + signals[f + 1] ** 2 + signals[f + 2] ** 2)
         if rate > settings[_GATE_W] or abs(force - settings[_G]) > settings[_GATE_F]:
             return False
     return True
@@ -125,8 +130,8 @@ def calibrate(
     still = still and abs(math.sqrt(force_c) - settings[_G]) < 2.0 * settings[_GATE_F]
     if not still:
         counters[_STILL] = 0
-        for i in range(15):
-            memory[_SUM + i] = 0.0
+        for i in range(_SUM, _NORM):
+            memory[i] = 0.0
         return
     counters[_STILL] += 1
     _add_field(sample, memory, counters[_STILL])
@@ -179,11 +184,12 @@ def keep_pulse(pulse: Float, middle: Float, memory: Float, number: int, tick: in
     """Keep a pulse of a burst with the pose that was predicted for its middle, a row of the ring, at a tick."""
     row = _BURST + number * _COLUMNS
     for i in range(3):
-        memory[row + i] = pulse[i]
-    for i in range(7):
-        memory[row + 3 + i] = middle[_KEPT_P + i]
-    memory[row + 10] = pulse[4]
-    memory[row + 11] = float(tick)
+        memory[row + _B_VALUE + i] = pulse[_PULSE_VALUE + i]
+        memory[row + _B_P + i] = middle[_KEPT_P + i]
+    for i in range(4):
+        memory[row + _B_Q + i] = middle[_KEPT_Q + i]
+    memory[row + _B_CURRENT] = pulse[_PULSE_CURRENT]
+    memory[row + _B_TICK] = float(tick)
 
 
 @kernel("void(float64[::1], int64[::1])")
@@ -261,7 +267,8 @@ def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) 
         flags |= GAP
     if counters[_STARTED] > 0:
         for i in range(3):
-            if p[i, i] > settings[_UNCERTAIN_P] ** 2 or p[6 + i, 6 + i] > settings[_UNCERTAIN_A] ** 2:
+            place, turn = p[_EP + i, _EP + i], p[_ET + i, _ET + i]
+            if place > settings[_UNCERTAIN_P] ** 2 or turn > settings[_UNCERTAIN_A] ** 2:
                 flags |= UNCERTAIN
     return flags
 

@@ -23,7 +23,16 @@ from estimators.orientation._strapdown_estimator import (
     StrapdownResult,
 )
 from estimators.orientation.roetenberg import _kernel as kernel
-from estimators.orientation.roetenberg._model import MEASUREMENTS, SETTINGS, STATE, STATES
+from estimators.orientation.roetenberg._model import (
+    DETAILS,
+    DIP,
+    DISTURBANCE,
+    INNOVATIONS,
+    NORM,
+    SETTINGS,
+    STATE,
+    STATES,
+)
 from estimators.recording import Float
 
 
@@ -93,7 +102,7 @@ class RoetenbergEstimator(StrapdownEstimator):
     _settings_kind = SETTINGS
     _state_kind = STATE
     _covariance_size = STATES
-    _details = 3 + MEASUREMENTS + 5
+    _details = DETAILS
     _parameters: RoetenbergParameters
 
     def _own_settings(self) -> dict[str, float]:
@@ -132,13 +141,12 @@ class RoetenbergEstimator(StrapdownEstimator):
         kernel.run(*arguments)
 
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:
-        field = details[..., 3 + MEASUREMENTS :]
         return replace(
             result,
-            whitened_innovations=details[..., 3 : 3 + MEASUREMENTS],
-            disturbance_earth=field[..., :3],
-            field_norm=field[..., 3],
-            field_dip_rad=field[..., 4],
+            whitened_innovations=details[..., INNOVATIONS:DISTURBANCE],
+            disturbance_earth=details[..., DISTURBANCE:NORM],
+            field_norm=details[..., NORM],
+            field_dip_rad=details[..., DIP],
         )
 
 

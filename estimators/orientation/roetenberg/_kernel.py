@@ -27,7 +27,10 @@ from estimators.orientation._strapdown_steps import (
 from estimators.orientation.roetenberg._detector import detect
 from estimators.orientation.roetenberg._measurement import keep_spread, measure_field, measure_gravity
 from estimators.orientation.roetenberg._model import (
+    DIP,
+    DISTURBANCE,
     MEASUREMENTS,
+    NORM,
     SETTINGS,
     STATE,
     STATES,
@@ -91,11 +94,10 @@ def correct(
 @step()
 def store_field(out: Estimates, s: int, k: int, x: Record) -> None:
     """Write disturbance, norm and dip after acceleration and innovations."""
-    first = 3 + MEASUREMENTS
     for axis in range(3):
-        out.details[s, k, first + axis] = x.disturbance[axis]
-    out.details[s, k, first + 3] = x.smooth_norm
-    out.details[s, k, first + 4] = x.smooth_dip
+        out.details[s, k, DISTURBANCE + axis] = x.disturbance[axis]
+    out.details[s, k, NORM] = x.smooth_norm
+    out.details[s, k, DIP] = x.smooth_dip
 
 
 @kernel(run_signature(SETTINGS, STATE))

@@ -13,6 +13,14 @@ from estimators.recording import Float
 STATES: Final = BASE + 3
 """Orientation error in the earth frame, offset error in the sensor frame, disturbance error in the earth frame."""
 MEASUREMENTS: Final = 5
+INNOVATIONS, DISTURBANCE, NORM, DIP, DETAILS = (
+    3,
+    3 + MEASUREMENTS,
+    6 + MEASUREMENTS,
+    7 + MEASUREMENTS,
+    8 + MEASUREMENTS,
+)
+"""Columns of the details after the acceleration."""
 """Two of gravity, three of the field."""
 
 SETTINGS = record(
@@ -105,7 +113,12 @@ def predict_disturbance(x: Record, p: Float, c: Record, turned: Matrix, change: 
 
 
 __all__ = [
+    "DETAILS",
+    "DIP",
+    "DISTURBANCE",
+    "INNOVATIONS",
     "MEASUREMENTS",
+    "NORM",
     "SETTINGS",
     "STATE",
     "STATES",

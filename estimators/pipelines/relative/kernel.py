@@ -17,9 +17,17 @@ from estimators.magnetic import CURRENT_SPAN_A, RelativeFlag
 from estimators.magnetic._coil_state import HIGHEST_COIL
 from estimators.magnetic.relative import layout as at
 from estimators.orientation import OrientationFlag
+from estimators.pipelines.relative.columns import SENSOR_SCALARS, SOURCE_SCALARS
 from estimators.recording import Float, SampleQuality
 
-SENSOR_COLUMNS, SOURCE_COLUMNS = 13, 8
+SENSOR_COLUMNS, SOURCE_COLUMNS = len(SENSOR_SCALARS), len(SOURCE_SCALARS)
+_DISTANCE, _DISTANCE_SIGMA, _X, _X_SIGMA, _XY, _S_NIS, _S_STATE = (
+    SENSOR_SCALARS.index(name)
+    for name in ("distance_m", "distance_sigma_m", "x_m", "x_sigma_m", "xy_correlation", "nis", "state")
+)
+_COIL_ON, _CURRENT_ON, _ASK, _ON_TIME = (
+    SOURCE_SCALARS.index(name) for name in ("coil", "current_a", "ask_coil", "on_time_s")
+)
 ON_TICKS, CHARGE, SQUARED, ACCOUNT = 0, 1, 2, 3
 """What the source has used: ticks with a coil on, charge (A s), squared current (A^2 s)."""
 
@@ -31,6 +39,7 @@ _GYR, _ACC, _FIELD, _GYR_C, _ACC_C = (
     at.SOURCE_ACCELEROMETER,
 )
 _COIL, _CURRENT = at.COIL, at.CURRENT
+_POSE, _PLACE, _TURN = len(at.POSE), 0, 3
 _P, _Q, _COV = at.O_POSITION, at.O_ATTITUDE, at.O_COVARIANCE
 _NIS, _FIRE, _FIRE_CURRENT, _FIRE_TICKS, _FLAGS = at.O_NIS, at.O_COIL, at.O_CURRENT, at.O_TICKS, at.O_FLAGS
 _NOT_MEASURED = int(SampleQuality.MISSING | SampleQuality.BRIDGED)
@@ -72,9 +81,10 @@ def matrix(w: float, x: float, y: float, z: float) -> Nine:
 @kernel("float64(float64[::1], int64, float64, float64, float64)")
 def sigma_along(out: Float, first: int, x: float, y: float, z: float) -> float:
     """Return one sigma along a vector of what begins at row and column `first` of the covariance in an output row."""
-    c = _COV + 7 * first
-    total = x * x * out[c] + y * y * out[c + 7] + z * z * out[c + 14]
-    total += 2.0 * (x * y * out[c + 1] + x * z * out[c + 2] + y * z * out[c + 8])
+    a = _COV + (_POSE + 1) * first
+    b, c = a + _POSE, a + 2 * _POSE
+    total = x * x * out[a] + y * y * out[b + 1] + z * z * out[c + 2]
+    total += 2.0 * (x * y * out[a + 1] + x * z * out[a + 2] + y * z * out[b + 2])
     return math.sqrt(max(total, 0.0))
 
 
@@ -147,24 +157,24 @@ def write_pose(
     sigma: Float,
 ) -> None:
     """Write one tick of one sensor: its scalars, angles with sigmas, and sigmas about the axes of the room."""
-    scalar[11], scalar[12] = out[_NIS], float(stated)
+    scalar[_S_NIS], scalar[_S_STATE] = out[_NIS], float(stated)
     if not known:
-        scalar[:11] = math.nan
+        scalar[:_S_NIS] = math.nan
         angle[:], angle_sigma[:], sigma[:] = math.nan, math.nan, math.nan
         return
     x, y, z = out[_P], out[_P + 1], out[_P + 2]
     distance = math.sqrt(x * x + y * y + z * z)
     scale = 1.0 / distance if distance > 0.0 else 1.0
-    scalar[0] = distance
-    scalar[1] = sigma_along(out, 0, x * scale, y * scale, z * scale)
+    scalar[_DISTANCE] = distance
+    scalar[_DISTANCE_SIGMA] = sigma_along(out, _PLACE, x * scale, y * scale, z * scale)
     for a in range(3):
-        scalar[2 + a] = out[_P + a]
-        scalar[5 + a] = math.sqrt(max(out[_COV + 7 * a], 0.0))
-    column = 8
+        scalar[_X + a] = out[_P + a]
+        scalar[_X_SIGMA + a] = math.sqrt(max(out[_COV + (_POSE + 1) * a], 0.0))
+    column = _XY
     for a in range(2):
         for b in range(a + 1, 3):
-            both = scalar[5 + a] * scalar[5 + b]
-            scalar[column] = out[_COV + 6 * a + b] / both if both > 0.0 else 0.0
+            both = scalar[_X_SIGMA + a] * scalar[_X_SIGMA + b]
+            scalar[column] = out[_COV + _POSE * a + b] / both if both > 0.0 else 0.0
             column += 1
 
     m = matrix(out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3])
@@ -175,13 +185,13 @@ def write_pose(
     near, tangent = math.cos(angle[1]), math.tan(angle[1])
     near = near if abs(near) >= 1e-6 else 1e-6
     # By how much the angles change with turns about the sensor's axes.
-    angle_sigma[0] = sigma_along(out, 3, 0.0, sine / near, cosine / near)
-    angle_sigma[1] = sigma_along(out, 3, 0.0, cosine, -sine)
-    angle_sigma[2] = sigma_along(out, 3, 1.0, sine * tangent, cosine * tangent)
+    angle_sigma[0] = sigma_along(out, _TURN, 0.0, sine / near, cosine / near)
+    angle_sigma[1] = sigma_along(out, _TURN, 0.0, cosine, -sine)
+    angle_sigma[2] = sigma_along(out, _TURN, 1.0, sine * tangent, cosine * tangent)
 
     m = matrix(q[0], q[1], q[2], q[3])
     for a in range(3):
-        sigma[a] = sigma_along(out, 3, m[3 * a], m[3 * a + 1], m[3 * a + 2])
+        sigma[a] = sigma_along(out, _TURN, m[3 * a], m[3 * a + 1], m[3 * a + 2])
 
 
 class Written(NamedTuple):
@@ -304,7 +314,7 @@ def write_frames(
     account = running.account
     for k in range(q_source.shape[0]):
         _write_source(k, q_source[k], source_flags[k], height_m, out)
-        asked = out.scalar[k, last + 2 : last + 5]
+        asked = out.scalar[k, last + _ASK : last + _ASK + 3]
         asked[:] = 0.0
         for i in range(sensors):
             one = outs[i, k]
@@ -317,10 +327,10 @@ def write_frames(
         account[ON_TICKS] += 1.0 if coil > 0.0 else 0.0
         account[CHARGE] += abs(current) * step_s
         account[SQUARED] += current * current * step_s
-        row = out.scalar[k]
-        row[last], row[last + 1] = coil, current
-        row[last + 5] = account[ON_TICKS] * step_s
-        row[last + 6], row[last + 7] = account[CHARGE], account[SQUARED]
+        row = out.scalar[k, last:]
+        row[_COIL_ON], row[_CURRENT_ON] = coil, current
+        row[_ON_TIME] = account[ON_TICKS] * step_s
+        row[_ON_TIME + 1], row[_ON_TIME + 2] = account[CHARGE], account[SQUARED]
 
 
 __all__ = [

@@ -19,8 +19,6 @@ from estimators.sentences import say
 
 _BLOCK: Final = 2000
 """Ticks whose covariances are held at a time: 7 MB, however long the session."""
-_POSE: Final = np.r_[at.E_POSITION : at.E_POSITION + 3, at.E_ATTITUDE : at.E_ATTITUDE + 3]
-_INERTIAL: Final = np.r_[at.GYROSCOPE : at.GYROSCOPE + 6, at.SOURCE_GYROSCOPE : at.SOURCE_GYROSCOPE + 6]
 
 
 def smooth_modules(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[RelativeResult, ...]:
@@ -130,18 +128,18 @@ def _block_back(
         part, restarted, valid, nominal, covariance, settings, smoothed, smoothed_covariance, nominal.copy()
     )
     poses[start : start + count] = smoothed[:count]
-    spread[start : start + count] = smoothed_covariance[:count, _POSE[:, None], _POSE[None, :]]
+    spread[start : start + count] = smoothed_covariance[:count, at.POSE[:, None], at.POSE[None, :]]
     return _Next(smoothed[0], smoothed_covariance[0], bool(restarted[0]), bool(valid[0]))
 
 
 def _held(samples: Float) -> Float:
     """Put the last whole sample where one is missing, as the filter does."""
     held = samples.copy()
-    whole = np.isfinite(samples[:, _INERTIAL]).all(axis=1)
+    whole = np.isfinite(samples[:, at.INERTIAL]).all(axis=1)
     last = np.maximum.accumulate(np.where(whole, np.arange(len(samples)), -1))
     missing = np.flatnonzero(~whole)
-    filled = np.where((last[missing] >= 0)[:, None], samples[last[missing]][:, _INERTIAL], 0.0)
-    held[missing[:, None], _INERTIAL[None, :]] = filled
+    filled = np.where((last[missing] >= 0)[:, None], samples[last[missing]][:, at.INERTIAL], 0.0)
+    held[missing[:, None], at.INERTIAL[None, :]] = filled
     return held
 
 

@@ -29,6 +29,8 @@ SCALARS: Final = (
 """Per foot, named `foot_left_stance` and so on. Stance, contact and toe-off are 0 or 1; the last four are those of the
 stride that the last contact ended, NaN before the first. Live there are only stance, speed, stride length and toe-out,
 of the last stance that ended."""
+STANCE, CONTACT, TOE_OFF, SPEED, STRIDE_LENGTH, STRIDE_TIME, CLEARANCE, TOE_OUT = range(len(SCALARS))
+"""Columns of a foot."""
 FORCE_SCALARS: Final = ("force_x_n", "force_y_n", "force_z_n", "force_state")
 """Per foot, live on two instrumented shoes: of the ground on it, room axes, and an index into `FORCE_STATES`."""
 FORCE_STATES: Final = ("measured", "not_tared", "missing", "implausible")
@@ -85,11 +87,17 @@ __all__ = [
     "BALANCE_POINTS",
     "BALANCE_SCALARS",
     "CENTRE_PER_STATURE",
+    "CONTACT",
     "FORCE_SCALARS",
     "FORCE_STATES",
     "LIVE_BALANCE_SCALARS",
     "PRESSURE_POINTS",
     "SCALARS",
+    "SPEED",
+    "STANCE",
+    "STRIDE_LENGTH",
+    "TOE_OFF",
+    "TOE_OUT",
     "WORN",
     "cells_of",
     "feet_of",

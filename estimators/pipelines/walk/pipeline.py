@@ -21,7 +21,17 @@ from estimators.gait import (
 from estimators.kinetics import ShoeGeometry
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines.walk.layout import CENTRE_PER_STATURE, SCALARS, cells_of, feet_of, layout_of
+from estimators.pipelines.walk.layout import (
+    CENTRE_PER_STATURE,
+    SCALARS,
+    SPEED,
+    STANCE,
+    STRIDE_LENGTH,
+    TOE_OUT,
+    cells_of,
+    feet_of,
+    layout_of,
+)
 from estimators.pipelines.walk.live_shoes import LiveShoes
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
@@ -148,9 +158,9 @@ class GaitPipeline(Pipeline):
         speed = np.linalg.norm(found.velocity_mps[heels], axis=2)
         scalar = np.full((count, len(self._layout.scalars)), np.nan)
         each = scalar[:, : feet * len(SCALARS)].reshape(count, feet, len(SCALARS))
-        each[:, :, 0] = found.is_stance[heels].T
-        each[:, :, 3] = speed.T
-        each[:, :, 4], each[:, :, 7] = steps.stride_length_m, steps.toe_out_rad
+        each[:, :, STANCE] = found.is_stance[heels].T
+        each[:, :, SPEED] = speed.T
+        each[:, :, STRIDE_LENGTH], each[:, :, TOE_OUT] = steps.stride_length_m, steps.toe_out_rad
         scalar[:, : feet * len(SCALARS)] = each.reshape(count, -1)
         if self._shoes is None:
             q = found.q_world_sensor[heels].transpose(1, 0, 2)

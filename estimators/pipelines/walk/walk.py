@@ -23,7 +23,16 @@ from estimators.gait import (
 )
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
-from estimators.pipelines.walk.layout import SCALARS, feet_of, layout_of
+from estimators.pipelines.walk.layout import (
+    CONTACT,
+    SCALARS,
+    SPEED,
+    STANCE,
+    STRIDE_LENGTH,
+    TOE_OFF,
+    feet_of,
+    layout_of,
+)
 from estimators.pipelines.walk.pipeline import apart, flags_of, frames_of, level_sigma
 from estimators.pipelines.walk.turning_steps import turning_steps
 from estimators.recording import Float, ImuChunk, Recording, SensorSignals
@@ -172,8 +181,8 @@ def _on_ticks(
     outside = (time_s < path.time_s[0]) | (time_s > path.time_s[-1])
     flags[outside] |= np.uint8(OrientationFlag.INVALID)
     scalar = np.full((len(time_s), len(SCALARS)), np.nan)
-    scalar[:, 0] = path.stance.is_stance[nearest]
-    scalar[:, 3] = np.linalg.norm(velocity, axis=1)
+    scalar[:, STANCE] = path.stance.is_stance[nearest]
+    scalar[:, SPEED] = np.linalg.norm(velocity, axis=1)
     sigmas = [level_sigma(sigma)[nearest] for sigma in (path.attitude_sigma_rad, path.position_sigma_m)]
     for sigma in sigmas:
         sigma[outside] = np.nan
@@ -192,13 +201,13 @@ def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:
         Of the ticks.
     """
     found = scalar.copy()
-    found[:, 1:3], found[:, 4:] = 0.0, np.nan
-    for column, events in ((1, strides.contact_s), (2, strides.toe_off_s)):
+    found[:, [CONTACT, TOE_OFF]], found[:, STRIDE_LENGTH:] = 0.0, np.nan
+    for column, events in ((CONTACT, strides.contact_s), (TOE_OFF, strides.toe_off_s)):
         found[np.minimum(np.searchsorted(time_s, events), len(time_s) - 1), column] = 1.0
     last = np.searchsorted(strides.contact_s, time_s, side="right") - 1
     known = last >= 0
     measures = (strides.length_m, strides.duration_s, strides.clearance_m, strides.toe_out_rad)
-    for column, values in enumerate(measures, 4):
+    for column, values in enumerate(measures, STRIDE_LENGTH):
         found[known, column] = values[last[known]]
     return found
 

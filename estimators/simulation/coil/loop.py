@@ -18,6 +18,8 @@ from estimators.simulation.coil.scene import RelativeScene
 
 _COIL, _CURRENT, _FIELD, _EVENT = at.COIL, at.CURRENT, at.FIELD, at.EVENT
 _O_COIL, _O_CURRENT, _O_TICKS = at.O_COIL, at.O_CURRENT, at.O_TICKS
+_C_COIL, _C_LEFT, _C_CURRENT, _C_TICK, _C_FIELD, _CONTROL = 0, 1, 2, 3, 4, 7
+"""Of the source: the coil that is on, for how many ticks yet, its current, ticks so far, and the held field."""
 
 
 @dataclass(frozen=True)
@@ -69,28 +71,29 @@ def _closed_loop(
     ring: Float,
     out: Float,
 ) -> int:
-    """Run ticks until a burst must be solved; `control` is coil, ticks left, current, ticks so far, held field (3)."""
+    """Run ticks until a burst must be solved; `control` has shape (_CONTROL,)."""
     work = np.empty((3, p.shape[0], p.shape[0]))
     wired_from, dead_from, silent_from, full_scale, gain = faults.limits
     for k in range(samples.shape[0]):
-        row, now = samples[k], control[3]
-        control[3] += 1.0
-        if control[1] > 0.0:
-            coil = int(control[0])
-            row[_COIL], row[_CURRENT] = control[0], control[2]
+        row, now = samples[k], control[_C_TICK]
+        control[_C_TICK] += 1.0
+        if control[_C_LEFT] > 0.0:
+            coil = int(control[_C_COIL])
+            row[_COIL], row[_CURRENT] = control[_C_COIL], control[_C_CURRENT]
             fired = faults.wired_as[coil - 1] if now >= wired_from else coil - 1
             if now < dead_from:
                 for i in range(3):
-                    row[_FIELD + i] += control[2] * per_ampere[k, fired, i]
-            control[1] -= 1.0
+                    row[_FIELD + i] += control[_C_CURRENT] * per_ampere[k, fired, i]
+            control[_C_LEFT] -= 1.0
         for i in range(3):
             if gain < 1.0 and now > 0.0:
-                row[_FIELD + i] = control[4 + i] + gain * (row[_FIELD + i] - control[4 + i])
-            control[4 + i] = row[_FIELD + i]
+                row[_FIELD + i] = control[_C_FIELD + i] + gain * (row[_FIELD + i] - control[_C_FIELD + i])
+            control[_C_FIELD + i] = row[_FIELD + i]
             row[_FIELD + i] = min(full_scale, max(-full_scale, row[_FIELD + i]))
         tick(row, loops, settings, nominal, p, memory, counters, ring, work, out[k])
         if out[k, _O_COIL] > 0.0 and now < silent_from and faults.lost[k] == 0.0:
-            control[0], control[1], control[2] = out[k, _O_COIL], out[k, _O_TICKS], out[k, _O_CURRENT]
+            control[_C_COIL], control[_C_CURRENT] = out[k, _O_COIL], out[k, _O_CURRENT]
+            control[_C_LEFT] = out[k, _O_TICKS]
         if counters[_EVENT] > 0:
             return k + 1
     return len(samples)
@@ -131,7 +134,7 @@ def run_closed_loop(
     limits = np.array(
         [f.wired_from_s / step, f.dead_from_s / step, f.silent_from_s / step, f.full_scale_t, gain]
     )
-    wired, control = np.array(f.wired_as, dtype=np.int64), np.zeros(7)
+    wired, control = np.array(f.wired_as, dtype=np.int64), np.zeros(_CONTROL)
     out = np.empty((count, at.OUTPUT))
     taken = 0
     while taken < count:
