@@ -19,6 +19,7 @@ from app.network.placing.slot import SNAP_TICKS, Network
 from app.network.unpack import Unpacker
 from app.sentences import say
 from estimators.channels import CARRIED, INERTIAL, Channel, ChannelSpec
+from estimators.kernels.slots import into_row
 from estimators.recording import Float, ImuChunk, SampleQuality
 from estimators.signals import bridge
 
@@ -104,8 +105,8 @@ class Aligner:
     def share(self, network: Network, slot: int) -> None:
         """Go on over the rows of a slot, which must be called after a packet; see `app.network.placing.kernel`."""
         assert self._unpacker is not None
-        self._rows = _moved(self._rows, network.last_rows[slot])
-        self.clip_levels = _moved(self.clip_levels, network.clip_levels[slot])
+        self._rows = into_row(self._rows, network.last_rows[slot])
+        self.clip_levels = into_row(self.clip_levels, network.clip_levels[slot])
         self._unpacker.share(network.last_sent[slot], network.same_ticks[slot], self.clip_levels)
 
     def own(self) -> None:
@@ -371,13 +372,6 @@ def _at_ticks(
     if spec.gap == "never":
         found[:, wide] = np.nan
     return found
-
-
-def _moved(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
-    """Return the row with the values in it."""
-    if values is not row:
-        row[...] = values
-    return row
 
 
 def _slope(rows: Float | None) -> Float | None:

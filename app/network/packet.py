@@ -32,7 +32,6 @@ VALUE_LIMIT: Final = 1e6
 FLOAT32: Final = 0
 INT16: Final = 1
 
-_HEADER: Final = struct.Struct("<4sBBHBBHIQII")
 HEADER: Final = np.dtype(
     [
         ("magic", "S4"),
@@ -51,7 +50,9 @@ HEADER: Final = np.dtype(
 """The header by name, for many packets at once."""
 OFFSETS: Final = {name: int(place[1]) for name, place in (HEADER.fields or {}).items()}
 """Where in a packet each field of the header begins."""
-_HEADER_WITHOUT_CRC: Final = struct.Struct("<4sBBHBBHIQI")
+_BEFORE_CRC: Final = "<4sBBHBBHIQI"
+_HEADER, _HEADER_WITHOUT_CRC = struct.Struct(_BEFORE_CRC + "I"), struct.Struct(_BEFORE_CRC)
+_FLAGS, _CRC = OFFSETS["flags"], OFFSETS["crc"]
 _KNOWN_FLAGS: Final = 0b11
 
 
@@ -163,7 +164,7 @@ def decode_packet(data: bytes, declaration: Declaration | None = None) -> Packet
             reason="truncated" if size < expected else "length",
         )
     view = memoryview(data)
-    if zlib.crc32(view[HEADER_BYTES:], zlib.crc32(view[:28])) != crc:
+    if zlib.crc32(view[HEADER_BYTES:], zlib.crc32(view[:_CRC])) != crc:
         raise PacketError(
             say("packet.crc"),
             reason="crc",
@@ -232,7 +233,7 @@ def encode_packet(
 
 def with_flags(data: bytes, flags: int) -> bytes:
     """Return the packet with other flags and the CRC made anew, e.g. to mark it back-filled."""
-    head = data[:9] + bytes([flags]) + data[10:28]
+    head = data[:_FLAGS] + bytes([flags]) + data[_FLAGS + 1 : _CRC]
     payload = data[HEADER_BYTES:]
     return head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload
 

@@ -13,11 +13,13 @@ from numba import types
 from numpy.typing import NDArray
 
 from app.network.packet import (
+    HEADER,
     HEADER_BYTES,
     MAGIC,
     MAX_TICK_INTERVAL_US,
     MAX_TICKS,
     MIN_TICK_INTERVAL_US,
+    OFFSETS,
     VALUE_LIMIT,
     PacketFlag,
 )
@@ -39,6 +41,14 @@ from estimators.kernels import VOID, Record, borrowing, bundle, rows
 from estimators.recording import Float, SampleQuality
 
 _MAGIC: Final = int.from_bytes(MAGIC, "little")
+_SENSORS, _TICKS, _ENCODING, _FLAGS = (
+    OFFSETS[name] for name in ("sensor_count", "tick_count", "encoding", "flags")
+)
+_MAGIC_FIELD, _CHANNELS, _RESERVED, _SEQUENCE, _TIME, _INTERVAL, _CRC = (
+    (OFFSETS[name], HEADER[name].itemsize)
+    for name in ("magic", "channels", "reserved", "sequence", "device_time_us", "tick_interval_us", "crc")
+)
+"""Where a field begins in a packet, and of those that are more than a byte how many they are."""
 _CLIPPED: Final = int(PacketFlag.SATURATED)
 _FLOAT32, _INT16 = 0, 1
 _BRIDGED, _MISSING = int(SampleQuality.BRIDGED), int(SampleQuality.MISSING)
@@ -47,12 +57,13 @@ _LONGEST_GAP_US: Final = 1_000_000
 """A later packet leaves a gap that the general way fills, or starts another clock."""
 
 
-@borrowing("u8(u1[::1], i8, i8)")
-def _number(data: NDArray[np.uint8], start: int, size: int) -> np.uint64:
-    """Return `size` bytes as a number, little endian."""
+@borrowing("u8(u1[::1], i8, UniTuple(i8, 2))")
+def _number(data: NDArray[np.uint8], packet: int, field: tuple[int, int]) -> np.uint64:
+    """Return a field of the packet that begins at `packet` as a number, little endian."""
+    first, size = field
     value = np.uint64(0)
     for k in range(size):
-        value |= np.uint64(data[start + k]) << np.uint64(8 * k)
+        value |= np.uint64(data[packet + first + k]) << np.uint64(8 * k)
     return value
 
 
@@ -60,22 +71,22 @@ def _number(data: NDArray[np.uint8], start: int, size: int) -> np.uint64:
 def _has_place(item: Record, x: Record, packets: Packets, sensors: int, width: int) -> bool:
     """Check header, order and clock, and note them in the item; True when the packet comes next in its session."""
     at, size, journal, tables = item.offset, item.length, packets.data, packets.tables
-    if size < HEADER_BYTES or _number(journal, at, 4) != np.uint64(_MAGIC):
+    if size < HEADER_BYTES or _number(journal, at, _MAGIC_FIELD) != np.uint64(_MAGIC):
         return False
     ticks, mask, encoding, flags = (
-        int(journal[at + 5]),
-        int(_number(journal, at + 6, 2)),
-        int(journal[at + 8]),
-        int(journal[at + 9]),
+        int(journal[at + _TICKS]),
+        int(_number(journal, at, _CHANNELS)),
+        int(journal[at + _ENCODING]),
+        int(journal[at + _FLAGS]),
     )
-    interval_us = int(_number(journal, at + 24, 4))
+    interval_us = int(_number(journal, at, _INTERVAL))
     if (
-        journal[at + 4] != sensors
+        journal[at + _SENSORS] != sensors
         or not 0 < ticks <= MAX_TICKS
         or mask != x.mask
         or encoding > _INT16
         or (flags != 0 and flags != _CLIPPED)
-        or _number(journal, at + 10, 2) != 0
+        or _number(journal, at, _RESERVED) != 0
         or not MIN_TICK_INTERVAL_US <= interval_us <= MAX_TICK_INTERVAL_US
         or not 0.9 < interval_us * 1e-6 * x.rate_hz < 1.1
         or (encoding == _INT16 and x.countable == 0)
@@ -83,17 +94,17 @@ def _has_place(item: Record, x: Record, packets: Packets, sensors: int, width: i
     ):
         return False
     sequence = x.next_sequence
-    if _number(journal, at + 12, 4) != np.uint64(sequence) & np.uint64(0xFFFFFFFF):
+    if _number(journal, at, _SEQUENCE) != np.uint64(sequence) & np.uint64(0xFFFFFFFF):
         return False
     # Session time; a counter that has wrapped is far away and rare.
-    time_us = x.epoch_session_us + (np.int64(_number(journal, at + 16, 8)) - x.epoch_device_us)
+    time_us = x.epoch_session_us + (np.int64(_number(journal, at, _TIME)) - x.epoch_device_us)
     gap_us = time_us - (x.highest_time_us + x.highest_duration_us)
     if gap_us < -(interval_us // 2) or gap_us > _LONGEST_GAP_US:
         return False
     computed = crc32(
-        journal, at + HEADER_BYTES, at + size, crc32(journal, at, at + 28, np.uint32(0), tables), tables
+        journal, at + HEADER_BYTES, at + size, crc32(journal, at, at + _CRC[0], np.uint32(0), tables), tables
     )
-    if np.uint64(computed) != _number(journal, at + 28, 4):
+    if np.uint64(computed) != _number(journal, at, _CRC):
         return False
     item.sequence, item.time_us, item.ticks = sequence, time_us, ticks
     item.duration_us = ticks * interval_us
@@ -114,10 +125,10 @@ def _unpacked(
     """Unpack the item's values at the ticks of the device."""
     channels, sensors, ticks = signals.shape[0], signals.shape[1], signals.shape[2]
     width, at = 3 * channels, item.offset + HEADER_BYTES
-    is_clipped = packets.data[item.offset + 9] == _CLIPPED
+    is_clipped = packets.data[item.offset + _FLAGS] == _CLIPPED
     size = ticks * sensors * width
     levels, last, same = network.clip_levels[s], network.last_sent[s], network.same_ticks[s]
-    if packets.data[item.offset + 8] == _INT16:
+    if packets.data[item.offset + _ENCODING] == _INT16:
         sent = packets.counts[at // 2 : at // 2 + size].reshape((ticks, sensors, width))
         scale, clip = x.scale[:channels], x.count_clip[:]
         unpack(sent, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
@@ -130,7 +141,7 @@ def _unpacked(
 @borrowing()
 def _are_usable(item: Record, packets: Packets) -> bool:
     """Whether every number sent as it is can be one."""
-    if packets.data[item.offset + 8] == _INT16:
+    if packets.data[item.offset + _ENCODING] == _INT16:
         return True
     first = (item.offset + HEADER_BYTES) // 4
     for k in range(first, first + (item.length - HEADER_BYTES) // 4):  # noqa: SIM110 - compiled as it stands

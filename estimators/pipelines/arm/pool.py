@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.kernels.slots import into_row
 from estimators.orientation.telemotion import TelemotionEstimator
 from estimators.pipelines._contract import Frames, Pipeline
 from estimators.pipelines.arm.pipeline import ArmPipeline
@@ -85,20 +86,20 @@ class ArmPool:
             return False
         a, b = slot * self._sensors, (slot + 1) * self._sensors
         # A pose, a restart or another calibration gives the pipeline new arrays; what is a view already stays.
-        estimator._state = _moved(estimator._state, r.state[a:b])
-        estimator._covariance = _moved(estimator._covariance, r.covariance[a:b])
-        estimator._guard.memory = _moved(estimator._guard.memory, r.screen[a:b])
-        network._q_room_earth = _moved(network._q_room_earth, r.q_room_earth[a:b])
-        network._q_sensor_segment = _moved(network._q_sensor_segment, r.q_sensor_segment[a:b])
-        network._more_flags = _moved(network._more_flags, r.more_flags[a:b])
-        network._memory_tick = _moved(network._memory_tick, r.memory_tick[slot])
-        network._memory_q = _moved(network._memory_q, r.memory_q[slot])
-        network._memory_flags = _moved(network._memory_flags, r.memory_flags[slot])
-        pipeline._previous_angle_rad = _moved(pipeline._previous_angle_rad, r.previous_angle[slot])
+        estimator._state = into_row(estimator._state, r.state[a:b])
+        estimator._covariance = into_row(estimator._covariance, r.covariance[a:b])
+        estimator._guard.memory = into_row(estimator._guard.memory, r.screen[a:b])
+        network._q_room_earth = into_row(network._q_room_earth, r.q_room_earth[a:b])
+        network._q_sensor_segment = into_row(network._q_sensor_segment, r.q_sensor_segment[a:b])
+        network._more_flags = into_row(network._more_flags, r.more_flags[a:b])
+        network._memory_tick = into_row(network._memory_tick, r.memory_tick[slot])
+        network._memory_q = into_row(network._memory_q, r.memory_q[slot])
+        network._memory_flags = into_row(network._memory_flags, r.memory_flags[slot])
+        pipeline._previous_angle_rad = into_row(pipeline._previous_angle_rad, r.previous_angle[slot])
         has_mounting = len(network._mounting_variance) > 0
         if has_mounting:
-            network._mounting_variance = _moved(network._mounting_variance, r.mounting_variance[a:b])
-        network._accelerometer_bias = _moved(network._accelerometer_bias, r.force_bias[a:b])
+            network._mounting_variance = into_row(network._mounting_variance, r.mounting_variance[a:b])
+        network._accelerometer_bias = into_row(network._accelerometer_bias, r.force_bias[a:b])
         x: Any = r.session[slot]
         x["has_force_bias"], x["has_mounting"] = network._has_accelerometer_bias, has_mounting
         x["memory_stride"], x["step_s"] = network._stride, network.time_step_s
@@ -153,14 +154,6 @@ class ArmPool:
         # As stored live: angles carry their own sigma.
         found: Any = [values[start:stop].copy() for values in self.columns[:_STORED]]
         return Frames(self.layout, first_tick, self._time_step_s, *found)
-
-
-def _moved(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
-    """Return the row with the values in it."""
-    if values.base is not row.base or values.ctypes.data != row.ctypes.data:
-        row[...] = values
-        return row
-    return values
 
 
 __all__ = ["STRETCH_TICKS", "ArmPool"]
