@@ -25,7 +25,8 @@ from typing import Any
 import httpx
 import numpy as np
 import psutil
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection
+from websockets.asyncio.client import connect as connect_socket
 from websockets.exceptions import WebSocketException
 from websockets.typing import Subprotocol
 
@@ -38,24 +39,17 @@ from app.patients.models import Mounting
 from app.recordings.schemas import SessionIn
 from app.viewer.wire import PROTOCOL
 from tests.app.readers.test_unpacked import bomb
-from tests.benchmarks.bench_live import (
-    WARM_UP_S,
-    client_frame,
-    open_sockets,
-    prepare,
-    row,
-    run_load,
-    stored,
-    verdict,
-    without_pose,
-)
+from tests.benchmarks.live.load import WARM_UP_S, Load, connect, create
+from tests.benchmarks.live.parts import moving_arms, part_of
+from tests.benchmarks.live.report import heading, judge, row
+from tests.benchmarks.live.watching import stored
 from tests.benchmarks.service import (
     EMAIL,
     PASSWORD,
     add_clinic,
     add_patient,
     free_port,
-    open_sessions,
+    make_patient,
     start_server,
 )
 
@@ -159,7 +153,7 @@ class Greedy:
         cookies = "; ".join(f"{one.name}={one.value}" for one in http.cookies.jar)
         address = f"{self.account.address}/viewer/{opened.json()['id']}".replace("http", "ws", 1)
         try:
-            socket = await connect(
+            socket = await connect_socket(
                 address,
                 additional_headers={"Cookie": cookies},
                 origin=self.account.address,  # type: ignore[arg-type]
@@ -291,13 +285,13 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
         folder = Path(name)
         print("preparing the streams, the files and the database ...", flush=True)
-        url, patient_id, stream = prepare(folder, seconds)
+        stream, calibration = moving_arms(seconds)
+        url, patient_id = make_patient(folder, calibration)
         patients = add_others(url) | {EMAIL: patient_id}
         log = write_recording(folder / "recording.tmlog", stream)
         bomb_path = bomb(folder / "bomb.mat", BOMB_BYTES, stated_bytes=1000)
-        packet_count = int(seconds / stream.packet_s)
-        moving = without_pose(stream, packet_count)
-        frames = [client_frame(moving.packet(number)) for number in range(packet_count)]
+        wanted = SessionIn(patient_id="", placements=list(stream.placements))  # type: ignore[arg-type]
+        part = part_of("neighbours", wanted, stream, int(seconds / stream.packet_s))
         port = free_port()
         process = start_server(url, folder, port, settings={})
         children: list[Any] = []
@@ -305,8 +299,8 @@ def main() -> int:
             answers: Queue[Counter[str]] = spawn.Queue()
             waits: Queue[list[float]] = spawn.Queue()
             begun = spawn.Event()
-            greedy = Account(port, GREEDY, patients[GREEDY], moving, log, seconds)
-            foreign = Account(port, FOREIGN, patients[FOREIGN], moving, log, seconds)
+            greedy = Account(port, GREEDY, patients[GREEDY], stream, log, seconds)
+            foreign = Account(port, FOREIGN, patients[FOREIGN], stream, log, seconds)
             if not arguments.alone:
                 children.append(
                     spawn.Process(target=be_greedy, args=(greedy, bomb_path, begun, answers), daemon=True)
@@ -316,22 +310,21 @@ def main() -> int:
                     raise TimeoutError("the greedy account's first recording was not analysed")
             sessions = []
             for email in (EMAIL, FOREIGN):
-                sessions += asyncio.run(open_sessions(port, patients[email], moving, 1, email))
-            sockets, _ = open_sockets(port, moving, sessions)
+                sessions += asyncio.run(create(port, patients[email], [(part, 1)], email))
+            opened = connect(port, sessions)
             children.append(spawn.Process(target=work_next_door, args=(foreign, waits), daemon=True))
             children[-1].start()
             print(f"running for {seconds:.0f} s ...", flush=True)
-            phases = np.array([0.0, moving.packet_s / 2])
-            outcome = run_load(sockets, frames, phases, moving.packet_s, psutil.Process(process.pid))
+            outcome = Load(opened, psutil.Process(process.pid)).run()
             taken = Counter() if arguments.alone else answers.get(timeout=60.0)
             began = waits.get(timeout=60.0)
-            arrived = stored(folder, [one["id"] for one in sessions])["raw"][1] // moving.ticks_per_packet
+            arrived = stored(folder, opened.ids)["raw"][1] // stream.ticks_per_packet
         finally:
             for child in children:
                 child.kill()
             process.terminate()
             process.wait(60)
-    print(f"\n{'latency of the neighbours, ms':<44}{'p50':>9}{'p95':>9}{'p99':>9}{'max':>9}")
+    print(heading("latency of the neighbours, ms"))
     print(row("packet sent -> frame published", outcome.published_ms))
     print(row("packet sent -> frame at the dashboard", outcome.received_ms))
     print(row("load generator late", outcome.late_ms))
@@ -346,9 +339,7 @@ def main() -> int:
             f"{max(began, default=np.nan):.1f} s",
         ),
     }
-    for what, (is_met, found) in met.items():
-        print(f"required  {what}: {verdict(is_met)} with {found}")
-    return 0 if all(is_met for is_met, _ in met.values()) else 1
+    return 0 if judge(met) else 1
 
 
 if __name__ == "__main__":

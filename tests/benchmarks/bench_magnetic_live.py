@@ -10,7 +10,6 @@ import argparse
 import asyncio
 import json
 import signal
-import socket
 import sys
 import tempfile
 import threading
@@ -22,18 +21,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 import psutil
 
-from app.gateway import ServiceClient
-from app.gateway.encoding import EPOCH_US
-from app.kinds.magnetic.schemas import MagneticSafetyIn
-from app.network.messages import PROTOCOL_VERSION, HelloMessage
-from app.network.packet import encode_packet
-from app.recordings.schemas import SessionIn
-from estimators.channels import Channel
-from estimators.recording import ImuChunk
-from tests.benchmarks import bench_live as live
-from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session
+from tests.benchmarks.bench_magnetic import PACKET_TICKS, SECONDS
+from tests.benchmarks.live.load import WARM_UP_S, Load, connect, create
+from tests.benchmarks.live.parts import magnetic
+from tests.benchmarks.live.watching import stored
 from tests.benchmarks.machine import processor
-from tests.benchmarks.service import EMAIL, PASSWORD, make_patient, start_server
+from tests.benchmarks.service import free_port, make_patient, start_server
 
 OTHER = "threads of the store; web server"
 PARTS = (
@@ -76,65 +69,6 @@ signal.signal(signal.SIGUSR2, write)
 """
 
 
-def packets(whole: ImuChunk) -> list[bytes]:
-    """Return the session as the network sends it, framed for the socket."""
-    assert whole.magnetometer_t is not None
-    assert whole.coil_state is not None
-    parts = (
-        whole.gyroscope_radps,
-        whole.accelerometer_mps2,
-        whole.magnetometer_t,
-        whole.coil_state[..., None],
-    )
-    values = np.concatenate(parts, axis=2).transpose(1, 0, 2).astype("<f4")
-    channels = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER | Channel.COIL_STATE
-    return [
-        live.client_frame(
-            encode_packet(
-                values[first : first + PACKET_TICKS],
-                sequence=first // PACKET_TICKS,
-                device_time_us=EPOCH_US + round(1e6 * first / RATE_HZ),
-                tick_interval_us=round(1e6 / RATE_HZ),
-                channels=channels,
-            )
-        )
-        for first in range(0, len(values) // PACKET_TICKS * PACKET_TICKS, PACKET_TICKS)
-    ]
-
-
-async def open_sessions(
-    port: int, patient_id: str, placements: tuple[str, ...], count: int
-) -> list[live.Socket]:
-    """Create sessions whose safety is confirmed; return a gateway's and a dashboard's socket of each."""
-    sockets = []
-    async with ServiceClient(f"http://127.0.0.1:{port}") as client:
-        await client.sign_in(EMAIL, PASSWORD)
-        wanted = SessionIn(
-            patient_id=patient_id,
-            pipeline="relative_pose",
-            placements=list(placements),  # type: ignore[arg-type]
-            rate_hz=RATE_HZ,
-            use_mounting=False,
-        )
-        for number in range(count):
-            made = await client.create_session(wanted)
-            safe = MagneticSafetyIn(patient_has_no_implant=True, people_nearby_have_none=True)
-            await client.confirm_no_implants(made.id, safe)
-            hello = HelloMessage(
-                protocol_version=PROTOCOL_VERSION,
-                ticket=await client.ticket(made.id, "ingest"),
-                placements=list(placements),
-                rate_hz=RATE_HZ,
-                device="bench",
-                firmware="1",
-            )
-            first = hello.model_dump_json(exclude_none=True)
-            sockets.append(live.Socket.open(port, "/ws/ingest", number, first))
-            ticket = json.dumps({"ticket": await client.ticket(made.id, "live")})
-            sockets.append(live.Socket.open(port, f"/ws/live/{made.id}", number, ticket))
-    return sockets
-
-
 def by_part(stacks: dict[str, int]) -> dict[str, float]:
     """Return the share of each part of all stacks; what has none is of other threads, or within the web server."""
     shares = dict.fromkeys([name for name, _ in PARTS], 0.0)
@@ -153,25 +87,20 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sessions", type=int, default=10)
     given = parser.parse_args()
-    setup, whole = session(1)
-    frames = packets(whole)
+    part = magnetic(SECONDS)
     with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
         folder = Path(name)
         url, patient_id = make_patient(folder)
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         told = folder / "stacks.json"
         process = start_server(url, folder, port, SAMPLER.format(path=str(told)))
         server = psutil.Process(process.pid)
         try:
-            sockets = asyncio.run(open_sessions(port, patient_id, setup.placements, given.sessions))
-            packet_s = PACKET_TICKS / RATE_HZ
-            phases = np.random.default_rng(1).uniform(0.0, packet_s, given.sessions)
-            begin = threading.Timer(live.WARM_UP_S + 0.5, process.send_signal, [signal.SIGUSR1])
+            opened = connect(port, asyncio.run(create(port, patient_id, [(part, given.sessions)])))
+            begin = threading.Timer(WARM_UP_S + 0.5, process.send_signal, [signal.SIGUSR1])
             begin.start()
             before = {one.id: one.user_time + one.system_time for one in server.threads()}
-            outcome = live.run_load(sockets, frames, phases, packet_s, server)
+            outcome = Load(opened, server).run()
             process.send_signal(signal.SIGUSR2)
             threads = sorted(
                 (one.user_time + one.system_time - before.get(one.id, 0.0), one.id == process.pid)
@@ -182,9 +111,9 @@ def main() -> int:
         finally:
             process.terminate()
             process.wait(30)
-        stored = live.stored(folder)["raw"][1] // PACKET_TICKS
+        kept = stored(folder)["raw"][1] // PACKET_TICKS
     each = 100.0 * outcome.server_cpu / given.sessions
-    print(f"machine: {processor()}, {given.sessions} sessions, {len(frames) * packet_s:.0f} s")
+    print(f"machine: {processor()}, {given.sessions} sessions, {SECONDS:.0f} s")
     print(f"of one core: {100 * outcome.server_cpu:.1f} % in all, {each:.2f} % a session")
     spent = sum(seconds for seconds, _ in threads)
     print(f"on the event loop: {100 * sum(s for s, is_loop in threads if is_loop) / spent:.0f} % of it")
@@ -193,8 +122,8 @@ def main() -> int:
         print(f"{part:<48} {100 * share:>7.1f}% {share * each:>24.3f}")
     latency = np.percentile(outcome.published_ms, [50, 99])
     print(f"\npacket sent -> frame published: median {latency[0]:.1f} ms, 99 % {latency[1]:.1f} ms")
-    print(f"packets {outcome.sent} sent, {stored} stored")
-    return 0 if stored == outcome.sent else 1
+    print(f"packets {outcome.sent} sent, {kept} stored")
+    return 0 if kept == outcome.sent else 1
 
 
 if __name__ == "__main__":
