@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate_back
+from estimators.kernels.matrices import cholesky, solve
 from estimators.magnetic._loop_kernel import coil_field
-from estimators.magnetic._small_algebra import cholesky, solve
 from estimators.recording import Float
 
 _PASSES = 60

@@ -6,15 +6,16 @@ import numpy as np
 
 from estimators._kernels import Scalars3, Scalars4, exponential, kernel, multiply, normalized, rotate
 from estimators.kernels import step
-from estimators.magnetic._small_algebra import (
+from estimators.kernels.backward import step_back
+from estimators.kernels.matrices import (
     cholesky,
     joseph,
+    matrix_multiply,
     multiply_turned,
     solve,
     solve_rows,
     symmetrise,
 )
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
 from estimators.optical import _layout as at
 from estimators.optical._heading import doubt_heading
 from estimators.recording import Float
@@ -316,8 +317,7 @@ def backward(
     becomes that of their first. `states` and `out` are overwritten by the smoothed.
     """
     n = covariances.shape[1]
-    phi, gain, prior = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
-    factor, change, work = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    phi, prior, work = np.empty((n, n)), np.empty((n, n)), np.empty((3, n, n))
     state, error, moved = np.empty(states.shape[1]), np.empty(n), np.empty(n)
     growth = out[len(states), _O_GROWTH] if not is_last else 1.0
     for k in range(len(states) - 1, -1, -1):
@@ -327,33 +327,14 @@ def backward(
                 state[i] = states[k, i]
             predict_state(state, samples[k], samples[k + 1], settings, phi)
             doubt_heading(phi, p, settings)
-            for i in range(n):
-                for j in range(n):
-                    prior[i, j] = p[i, j]
-            predict_covariance(prior, phi, samples[k], samples[k + 1], settings, work)
-            # gain = P Phi^T = (Phi P)^T
-            matrix_multiply(phi, p, work)
+            prior[:, :] = p
+            predict_covariance(prior, phi, samples[k], samples[k + 1], settings, work[0])
             for i in range(n):
                 for j in range(n):
                     prior[i, j] *= growth
-                    gain[i, j] = work[j, i]
-                    factor[i, j] = prior[i, j]
-                    change[i, j] = later_covariance[i, j] - prior[i, j]
-                factor[i, i] += 1e-16
-            if cholesky(factor):
-                solve_rows(factor, gain)
-                difference(later, state, error)
-                for i in range(n):
-                    moved[i] = 0.0
-                    for j in range(n):
-                        moved[i] += gain[i, j] * error[j]
+            difference(later, state, error)
+            if step_back(p, phi, prior, later_covariance, error, moved, work):
                 inject(states[k], moved)
-                matrix_multiply(gain, change, work)
-                multiply_turned(work, gain, prior)
-                for i in range(n):
-                    for j in range(n):
-                        p[i, j] += prior[i, j]
-                symmetrise(p)
         growth = out[k, _O_GROWTH]
         for i in range(len(later)):
             later[i] = states[k, i]

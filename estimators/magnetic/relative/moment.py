@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
-from estimators.magnetic._small_algebra import cholesky, solve
+from estimators.kernels.matrices import cholesky, solve
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 

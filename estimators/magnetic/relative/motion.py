@@ -7,8 +7,7 @@ accelerations forgets that the source axes turn (erratum X1).
 import numpy as np
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
-from estimators.magnetic._small_algebra import symmetrise
+from estimators.kernels.matrices import matrix_multiply, symmetrise
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 
@@ -176,7 +175,7 @@ def predict(
 ) -> None:
     """Carry the covariance over a step: Phi P Phi^T + Q with Phi = I + F T + F^2 T^2 / 2 (3.4, 3.5).
 
-    `nominal` is that before the step; `work` is shape (3, 21, 21).
+    `nominal` is that before the step; `work` is shape (3, 21, 21), of which the second is left as Phi.
     """
     t = settings[_TIME_STEP]
     published = settings[_PUBLISHED] > 0.0

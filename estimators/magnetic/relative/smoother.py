@@ -9,17 +9,15 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators._kernels import kernel, multiply
+from estimators.kernels.backward import step_back
 from estimators.magnetic._coil import Source
-from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
 from estimators.magnetic.relative import layout as at
-from estimators.magnetic.relative.motion import corrected, dynamics, inject, mechanise, predict, relax
+from estimators.magnetic.relative.motion import corrected, inject, mechanise, predict, relax
 from estimators.magnetic.relative.pose import RelativeChunk, RelativePoseFilter, RelativeResult
 from estimators.recording import Float
 
-_T, _DECAY, _PUBLISHED, _FORCE, _RATE = (
+_T, _PUBLISHED, _FORCE, _RATE = (
     at.TIME_STEP,
-    at.BIAS_DECAY,
     at.PUBLISHED,
     at.FORCE_SIGMA,
     at.RATE_SIGMA,
@@ -93,9 +91,7 @@ def backward(
     Rauch-Tung-Striebel with the a priori covariance and differences on the manifold (method page, C4 2.4).
     """
     count, n = len(samples), covariance.shape[1]
-    work = np.empty((3, n, n))
-    f, phi, gain = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
-    prior, change = np.empty((n, n)), np.empty((n, n))
+    work, back, prior = np.empty((3, n, n)), np.empty((3, n, n)), np.empty((n, n))
     signals, error, moved = np.empty(_SIGNALS), np.empty(n), np.empty(n)
     t, published = settings[_T], settings[_PUBLISHED] > 0.0
     for k in range(count - 1, -1, -1):
@@ -108,38 +104,14 @@ def backward(
         for i in range(nominal.shape[1]):
             state[i] = nominal[k, i]
         corrected(state, samples[k], samples[k + 1], signals)
-        dynamics(state, signals, settings[_DECAY], published, f)
-        matrix_multiply(f, f, phi)
-        for i in range(n):
-            for j in range(n):
-                phi[i, j] = f[i, j] * t + 0.5 * t * t * phi[i, j]
-                prior[i, j] = covariance[k, i, j]
-            phi[i, i] += 1.0
+        prior[:, :] = covariance[k]
         predict(state, signals, settings, settings[_FORCE], settings[_RATE], prior, work)
         mechanise(state, signals, t, published)
         relax(state, settings)
-        # gain = P Phi^T (P-)^-1
-        multiply_turned(covariance[k], phi, gain)
-        for i in range(n):
-            for j in range(n):
-                work[0, i, j] = prior[i, j]
-                change[i, j] = smoothed_covariance[k + 1, i, j] - prior[i, j]
-            work[0, i, i] += 1e-16
-        if not cholesky(work[0]):
-            continue
-        solve_rows(work[0], gain)
         difference(smoothed[k + 1], state, error)
-        for i in range(n):
-            moved[i] = 0.0
-            for j in range(n):
-                moved[i] += gain[i, j] * error[j]
-        inject(smoothed[k], moved)
-        matrix_multiply(gain, change, f)
-        multiply_turned(f, gain, phi)
-        for i in range(n):
-            for j in range(n):
-                smoothed_covariance[k, i, j] += phi[i, j]
-        symmetrise(smoothed_covariance[k])
+        phi = work[1]
+        if step_back(smoothed_covariance[k], phi, prior, smoothed_covariance[k + 1], error, moved, back):
+            inject(smoothed[k], moved)
 
 
 def smooth_relative_pose(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from estimators._kernels import kernel, rotate_back
-from estimators.magnetic._small_algebra import cholesky, joseph, solve
+from estimators.kernels.matrices import cholesky, joseph, solve
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.moment import learn_moment
 from estimators.magnetic.relative.motion import add_skew, attitude_matrix, inject

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, normalized, rotate
-from estimators.magnetic._small_algebra import joseph, multiply_turned, symmetrise
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
+from estimators.kernels.matrices import joseph, matrix_multiply, multiply_turned, symmetrise
 from estimators.magnetic.relative.update import innovate
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.magnetic.tracker.fusion_kernel import difference_of_attitudes, inject, turned

@@ -6,8 +6,7 @@ import numpy as np
 
 from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
 from estimators.kernels import step
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
-from estimators.magnetic._small_algebra import symmetrise
+from estimators.kernels.matrices import matrix_multiply, symmetrise
 from estimators.magnetic.relative.motion import add_skew
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.recording import Float

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate_back
-from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
-from estimators.magnetic._small_algebra import multiply as matrix_multiply
+from estimators.kernels.backward import step_back
+from estimators.kernels.matrices import matrix_multiply, multiply_turned
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.magnetic.tracker.fusion_fix import fix_noise, start, use_fix
 from estimators.magnetic.tracker.fusion_kernel import (
@@ -160,44 +160,20 @@ def backward(
     """Run backward over the filter's states (Rauch-Tung-Striebel; page C4 2.4, with the a priori covariance)."""
     count, n = len(samples), _ERRORS
     a, prior, work, white = np.empty((n, n)), np.empty((n, n)), np.empty((3, n, n)), np.zeros((6, 6))
-    gain, change, error, moved, state = (
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty(n),
-        np.empty(n),
-        np.empty(_NOMINAL),
-    )
+    error, moved, state = np.empty(n), np.empty(n), np.empty(_NOMINAL)
     for k in range(count - 1, -1, -1):
         smoothed[k, :] = nominal[k]
         smoothed_covariance[k, :, :] = covariance[k]
-        if k == count - 1 or restarted[k + 1] or covariance[k, 0, 0] <= 0.0:
+        if k == count - 1 or restarted[k + 1] or covariance[k, _EP, _EP] <= 0.0:
             continue
         state[:] = nominal[k]
         prior[:, :] = covariance[k]
         propagate(state, samples[k, :_HELD], samples[k + 1, :_HELD], settings, a)
         # What the white errors are worth here says nothing of the tick before.
         predict(prior, a, state, samples[k + 1, _GM : _GM + 4], settings, white, work)
-        multiply_turned(covariance[k], a, gain)
-        for i in range(n):
-            for j in range(n):
-                work[0, i, j] = prior[i, j]
-                change[i, j] = smoothed_covariance[k + 1, i, j] - prior[i, j]
-            work[0, i, i] += 1e-16
-        if not cholesky(work[0]):
-            continue
-        solve_rows(work[0], gain)
         difference(smoothed[k + 1], state, error)
-        for i in range(n):
-            moved[i] = 0.0
-            for j in range(n):
-                moved[i] += gain[i, j] * error[j]
-        inject(smoothed[k], moved)
-        matrix_multiply(gain, change, work[1])
-        multiply_turned(work[1], gain, work[2])
-        for i in range(n):
-            for j in range(n):
-                smoothed_covariance[k, i, j] += work[2, i, j]
-        symmetrise(smoothed_covariance[k])
+        if step_back(smoothed_covariance[k], a, prior, smoothed_covariance[k + 1], error, moved, work):
+            inject(smoothed[k], moved)
 
 
 __all__ = ["backward", "report", "run"]

@@ -50,7 +50,7 @@ def solve_rows(factor: Float, rows: Float) -> None:
 
 
 @kernel("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
-def multiply(a: Float, b: Float, out: Float) -> None:
+def matrix_multiply(a: Float, b: Float, out: Float) -> None:
     """Write a times b; zeros of a are passed over, for transitions are mostly zero."""
     for i in range(a.shape[0]):
         for j in range(b.shape[1]):
@@ -125,3 +125,6 @@ def joseph(p: Float, h: Float, r: Float, gain: Float, work: Float) -> None:
             for j in range(n):
                 p[i, j] -= total * gain[j, a]
     symmetrise(p)
+
+
+__all__ = ["cholesky", "joseph", "matrix_multiply", "multiply_turned", "solve", "solve_rows", "symmetrise"]
