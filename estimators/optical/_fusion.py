@@ -2,15 +2,14 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import ArrayFilter, with_overrides
 from estimators.optical import _kernel as kernel
 from estimators.optical import _layout as at
 from estimators.optical._contract import OpticalChunk, OpticalParameters, OpticalResult, OpticalStart
@@ -21,18 +20,14 @@ _PIECE = 6000
 
 
 def _read(parameters: Mapping[str, Any] | None) -> OpticalParameters:
-    given = dict(parameters or {})
-    known = {field.name for field in fields(OpticalParameters)}
-    if unknown := sorted(set(given) - known):
-        raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(known))}")
-    result = replace(OpticalParameters(), **given)
+    result = with_overrides(OpticalParameters(), parameters)
     for name in ("force_sigma_mps2", "rate_sigma_radps", "marker_sigma_m", "gate", "start_s"):
         if not getattr(result, name) > 0.0:
             raise SetupError(f"{name} must be above zero")
     return result
 
 
-class OpticalInertialFilter:
+class OpticalInertialFilter(ArrayFilter):
     """Error-state filter of position, velocity, attitude and biases; a marker corrects when it is seen.
 
     The same samples give the same result, bit for bit, one by one, in chunks, or across `state` and `restore`.
@@ -146,24 +141,6 @@ class OpticalInertialFilter:
         place = math.hypot(1e-3, p.lever_arm_sigma_m)
         self._begin([place] * 3 + [1e-2] * 3 + [tilt, tilt, math.radians(p.heading_sigma_deg)])
         self._memory[: at.SAMPLE] = sample
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on."""
-        return {name: getattr(self, f"_{name}").copy() for name in self._ARRAYS}
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        for name in self._ARRAYS:
-            own = getattr(self, f"_{name}")
-            if name not in state or state[name].shape != own.shape:
-                raise ShapeError(f"the stored state has no {name} of shape {own.shape}")
-        for name in self._ARRAYS:
-            setattr(self, f"_{name}", np.array(state[name], dtype=getattr(self, f"_{name}").dtype))
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Every parameter with its value."""
-        return asdict(self._parameters)
 
     @property
     def settings(self) -> Float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators._kernels import Scalars3, Scalars4, exponential, kernel, multiply, normalized, rotate
 from estimators.kernels import step
+from estimators.kernels.attitudes import turn_between, turn_in_world
 from estimators.kernels.backward import step_back
 from estimators.kernels.matrices import (
     cholesky,
@@ -138,12 +139,7 @@ def inject(nominal: Float, error: Float) -> None:
         nominal[_BA + i] += error[_EA + i]
         nominal[_BG + i] += error[_EG + i]
         nominal[_R + i] += error[_ER + i]
-    turn = exponential(error[_ET], error[_ET + 1], error[_ET + 2])
-    q = multiply(
-        turn[0], turn[1], turn[2], turn[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
-    )
-    q = normalized(q[0], q[1], q[2], q[3])
-    nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
+    turn_in_world(nominal[_Q : _Q + 4], error[_ET : _ET + 3])
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1])")
@@ -153,12 +149,7 @@ def difference(a: Float, b: Float, out: Float) -> None:
         out[_EP + i], out[_EV + i] = a[_P + i] - b[_P + i], a[_V + i] - b[_V + i]
         out[_EA + i], out[_EG + i] = a[_BA + i] - b[_BA + i], a[_BG + i] - b[_BG + i]
         out[_ER + i] = a[_R + i] - b[_R + i]
-    q = multiply(a[_Q], a[_Q + 1], a[_Q + 2], a[_Q + 3], b[_Q], -b[_Q + 1], -b[_Q + 2], -b[_Q + 3])
-    sign = 1.0 if q[0] >= 0.0 else -1.0
-    sine = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    scale = 2.0 if sine < 1e-9 else 2.0 * math.atan2(sine, sign * q[0]) / sine
-    for i in range(3):
-        out[_ET + i] = sign * scale * q[1 + i]
+    turn_between(a[_Q : _Q + 4], b[_Q : _Q + 4], out[_ET : _ET + 3])
 
 
 @kernel(

@@ -1,18 +1,17 @@
 """The balance pipeline: sensors on pelvis and chest of a person who stands."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Final
+from collections.abc import Sequence
+from typing import ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.balance.sway import posture
 from estimators.body import ANKLE_HEIGHT_PER_STATURE, HIP_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import Placement
 from estimators.errors import SetupError
-from estimators.orientation import DeviceConstants, OrientationFlag
-from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines.arm.body import BodyNetwork
+from estimators.orientation import OrientationFlag
+from estimators.pipelines._contract import FrameLayout, Frames, SessionSetup
+from estimators.pipelines._network import NetworkPipeline
 from estimators.recording import ImuChunk
 from estimators.sentences import say
 
@@ -49,7 +48,7 @@ def sway_columns(placement: Placement) -> tuple[str, ...]:
     return tuple(f"{placement}_{column}" for column in _COLUMNS)
 
 
-class BalancePipeline(Pipeline):
+class BalancePipeline(NetworkPipeline):
     """Sensors on pelvis, chest or both to lean and horizontal acceleration of each.
 
     Scalars of each sensor, forward and left: `PLACE_lean_forward_rad` and `PLACE_acceleration_forward_mps2`
@@ -75,28 +74,13 @@ class BalancePipeline(Pipeline):
     def __init__(self, setup: SessionSetup) -> None:
         if not setup.placements or not set(setup.placements) <= set(TRUNK):
             raise SetupError(say("setup.balance_needs"))
-        self._network = BodyNetwork(setup)
+        super().__init__(setup)
         self._layout = FrameLayout(
             segments=tuple(setup.placements),
             points=("pelvis",),
             angles=(),
             scalars=tuple(column for name in setup.placements for column in sway_columns(name)),
         )
-
-    @property
-    def layout(self) -> FrameLayout:
-        """Column names of every `Frames` this pipeline gives."""
-        return self._layout
-
-    @property
-    def device_constants(self) -> dict[Placement, DeviceConstants]:
-        """What is known of each sensor by now."""
-        return self._network.device_constants
-
-    @property
-    def setup(self) -> SessionSetup:
-        """The setup with the calibration in force."""
-        return self._network.setup
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
@@ -123,15 +107,3 @@ class BalancePipeline(Pipeline):
             angle_flags=np.empty((ticks, 0), dtype=np.uint8),
             segment_sigma_rad=sigma,
         )
-
-    def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:
-        """Find bias, mounting and facing from the ticks of a pose; see the contract."""
-        return self._network.calibrate(pose, method)
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next step depends on, as arrays."""
-        return self._network.state()
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        self._network.restore(state)

@@ -1,21 +1,19 @@
 """The orientation pipeline: each sensor for itself, no body."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.conventions import Placement
 from estimators.errors import SetupError
-from estimators.orientation import DeviceConstants
-from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines.arm.body import BodyNetwork
+from estimators.pipelines._contract import Calibration, FrameLayout, Frames, SessionSetup
+from estimators.pipelines._network import NetworkPipeline
 from estimators.recording import ImuChunk
 from estimators.sentences import say
 
 
-class OrientationPipeline(Pipeline):
+class OrientationPipeline(NetworkPipeline):
     """Single sensors to their orientation: segments are the sensors, room is the earth frame (x east).
 
     Placements may have any name. There is nothing to calibrate but the gyroscopes' bias, method `static`,
@@ -36,23 +34,8 @@ class OrientationPipeline(Pipeline):
         return tuple(placements)
 
     def __init__(self, setup: SessionSetup) -> None:
-        self._network = BodyNetwork(setup)
+        super().__init__(setup)
         self._layout = FrameLayout(segments=tuple(setup.placements), points=(), angles=())
-
-    @property
-    def layout(self) -> FrameLayout:
-        """Column names of every `Frames` this pipeline gives."""
-        return self._layout
-
-    @property
-    def device_constants(self) -> dict[Placement, DeviceConstants]:
-        """What is known of each sensor by now."""
-        return self._network.device_constants
-
-    @property
-    def setup(self) -> SessionSetup:
-        """The setup with the calibration in force."""
-        return self._network.setup
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
@@ -76,12 +59,4 @@ class OrientationPipeline(Pipeline):
         """Find the gyroscopes' bias while every sensor lies still."""
         if method != "static":
             raise SetupError(say("calibration.single_sensors"))
-        return self._network.calibrate(pose, method)
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next step depends on, as arrays."""
-        return self._network.state()
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        self._network.restore(state)
+        return super().calibrate(pose, method)

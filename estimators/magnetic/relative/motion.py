@@ -7,6 +7,7 @@ accelerations forgets that the source axes turn (erratum X1).
 import numpy as np
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate
+from estimators.kernels.attitudes import attitude_matrix
 from estimators.kernels.matrices import matrix_multiply, symmetrise
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
@@ -40,15 +41,6 @@ def add_skew(f: Float, row: int, column: int, sign: float, x: float, y: float, z
     f[row + 1, column + 2] -= sign * x
     f[row + 2, column] -= sign * y
     f[row + 2, column + 1] += sign * x
-
-
-@kernel("void(float64[::1], float64[:, ::1])")
-def attitude_matrix(nominal: Float, out: Float) -> None:
-    """Write the rotation matrix from sensor to source axes."""
-    w, x, y, z = nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
-    for j in range(3):
-        column = rotate(w, x, y, z, 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
-        out[0, j], out[1, j], out[2, j] = column
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
@@ -124,7 +116,7 @@ def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: F
         for j in range(f.shape[1]):
             f[i, j] = 0.0
     r = np.empty((3, 3))
-    attitude_matrix(nominal, r)
+    attitude_matrix(nominal[_Q : _Q + 4], r)
     ws = (signals[_WS], signals[_WS + 1], signals[_WS + 2])
     fs = (signals[_FS], signals[_FS + 1], signals[_FS + 2])
     wc = (signals[_WC], signals[_WC + 1], signals[_WC + 2])
@@ -216,7 +208,7 @@ def predict(
     if not published:
         # Noise of the source gyroscope turns position, velocity and attitude together.
         lever, r = np.zeros((_EA, 3)), np.empty((3, 3))
-        attitude_matrix(nominal, r)
+        attitude_matrix(nominal[_Q : _Q + 4], r)
         add_skew(lever, _EP, 0, 1.0, nominal[_P], nominal[_P + 1], nominal[_P + 2])
         add_skew(lever, _EU, 0, 1.0, nominal[_U], nominal[_U + 1], nominal[_U + 2])
         for i in range(3):
@@ -249,7 +241,6 @@ def inject(nominal: Float, error: Float) -> None:
 
 __all__ = [
     "add_skew",
-    "attitude_matrix",
     "corrected",
     "cross",
     "dynamics",

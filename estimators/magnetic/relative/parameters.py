@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError
+from estimators.kernels.array_filter import with_overrides
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 
@@ -121,13 +122,8 @@ _MAY_BE_ZERO = {
 
 def read(parameters: Mapping[str, Any] | None) -> RelativePoseParameters:
     """Return parameters with overrides; raises `SetupError` for unknown names and impossible values."""
-    given = dict(parameters or {})
-    known = {field.name for field in fields(RelativePoseParameters)}
-    if unknown := sorted(set(given) - known):
-        raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(known))}")
-    result = replace(RelativePoseParameters(), **given)
-    for name in known:
-        value = getattr(result, name)
+    result = with_overrides(RelativePoseParameters(), parameters)
+    for name, value in asdict(result).items():
         if isinstance(value, bool):
             continue
         numbers = np.atleast_1d(np.asarray(value, dtype=np.float64))

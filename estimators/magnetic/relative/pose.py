@@ -1,7 +1,7 @@
 """Pose of a sensor against a worn source, and when which coil is to be fired (Schepers 2009, ch. 6)."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any, ClassVar
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import ArrayFilter
 from estimators.magnetic._coil import Source
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative import run as kernel
@@ -17,8 +18,6 @@ from estimators.magnetic.relative.parameters import read, to_settings
 from estimators.magnetic.relative.start import start_from_burst
 from estimators.recording import Float
 from estimators.samples import Samples
-
-_ARRAYS = ("nominal", "covariance", "memory", "counters", "ring")
 
 
 class RelativeFlag(IntFlag):
@@ -173,7 +172,7 @@ class EnergyAccount:
         return self.current_squared_a2s * resistance_ohm
 
 
-class RelativePoseFilter:
+class RelativePoseFilter(ArrayFilter):
     """Error-state Kalman filter over both inertial modules and single pulses, with adaptive actuation.
 
     The same samples give the same result, bit for bit, one by one, in uneven chunks, in one batch, or across `state`
@@ -192,6 +191,7 @@ class RelativePoseFilter:
 
     name: ClassVar[str] = "relative_pose"
     version: ClassVar[str] = "4"
+    _ARRAYS: ClassVar[tuple[str, ...]] = ("nominal", "covariance", "memory", "counters", "ring")
 
     def __init__(
         self,
@@ -266,32 +266,10 @@ class RelativePoseFilter:
             self._usual_place_m,
         )
 
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on, as arrays that can be stored."""
-        return {name: getattr(self, f"_{name}").copy() for name in _ARRAYS}
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        restored = {}
-        for name in _ARRAYS:
-            own = getattr(self, f"_{name}")
-            if name not in state or state[name].shape != own.shape:
-                raise ShapeError(
-                    f"the stored state has no {name} of shape {own.shape}; was it another filter's?"
-                )
-            restored[name] = np.array(state[name], dtype=own.dtype)
-        for name, values in restored.items():
-            setattr(self, f"_{name}", values)
-
     @property
     def source(self) -> Source:
         """The coils that the filter knows."""
         return self._source
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Every parameter with its value."""
-        return asdict(self._parameters)
 
     @property
     def covariance(self) -> Float:

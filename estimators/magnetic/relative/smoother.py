@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators._kernels import kernel, multiply
+from estimators.kernels.attitudes import logarithm
 from estimators.kernels.backward import step_back
 from estimators.magnetic._coil import Source
 from estimators.magnetic.relative import layout as at
@@ -62,11 +63,7 @@ def difference(a: Float, b: Float, out: Float) -> None:
         out[_EP + i] = b[_P + i] - a[_P + i]
         out[_EU + i] = b[_U + i] - a[_U + i]
     q = multiply(a[_Q], -a[_Q + 1], -a[_Q + 2], -a[_Q + 3], b[_Q], b[_Q + 1], b[_Q + 2], b[_Q + 3])
-    sign = 1.0 if q[0] >= 0.0 else -1.0
-    sine = np.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    scale = 2.0 if sine < 1e-9 else 2.0 * np.arctan2(sine, sign * q[0]) / sine
-    for i in range(3):
-        out[_ET + i] = sign * scale * q[1 + i]
+    out[_ET], out[_ET + 1], out[_ET + 2] = logarithm(q[0], q[1], q[2], q[3])
     for i in range(_ERRORS - _EA):
         out[_EA + i] = a[_BA + i] - b[_BA + i]
 

@@ -5,10 +5,11 @@ import math
 import numpy as np
 
 from estimators._kernels import kernel, rotate_back
+from estimators.kernels.attitudes import attitude_matrix
 from estimators.kernels.matrices import cholesky, joseph, solve
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.moment import learn_moment
-from estimators.magnetic.relative.motion import add_skew, attitude_matrix, inject
+from estimators.magnetic.relative.motion import add_skew, inject
 from estimators.magnetic.relative.pulse import predict_path
 from estimators.recording import Float
 
@@ -190,7 +191,7 @@ def update_inclination(
     n = p.shape[0]
     h, gain, noise = np.zeros((3, n)), np.empty((n, 3)), np.zeros((3, 3))
     innovation, correction, r = np.empty(3), np.empty(n), np.empty((3, 3))
-    attitude_matrix(nominal, r)
+    attitude_matrix(nominal[_Q : _Q + 4], r)
     seen = rotate_back(
         nominal[_Q],
         nominal[_Q + 1],

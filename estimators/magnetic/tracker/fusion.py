@@ -31,19 +31,19 @@ What is uncertain, and where it is:
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import ArrayFilter, with_overrides
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.magnetic.tracker.fusion_run import run
 from estimators.recording import Float
 from estimators.samples import Samples
 
-_ARRAYS = ("nominal", "covariance", "memory", "counters")
 _INVALID, _GATED = at.INVALID, at.GATED
 
 
@@ -200,7 +200,7 @@ class TrackerFusionResult:
         )
 
 
-class TrackerFusion:
+class TrackerFusion(ArrayFilter):
     """Complementary filter of fixes and inertial sensing, forward.
 
     The same samples give the same result, bit for bit, one by one, in uneven chunks, in one batch, or across `state`
@@ -209,6 +209,7 @@ class TrackerFusion:
 
     name: ClassVar[str] = "tracker_fusion"
     version: ClassVar[str] = "2"
+    _ARRAYS: ClassVar[tuple[str, ...]] = ("nominal", "covariance", "memory", "counters")
 
     def __init__(self, time_step_s: float, parameters: Mapping[str, Any] | None = None) -> None:
         if not 1e-4 < time_step_s < 0.1:
@@ -242,37 +243,10 @@ class TrackerFusion:
         """Return the arguments of the compiled loop between samples and output."""
         return self._settings, self._nominal, self._covariance, self._memory, self._counters
 
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on, as arrays that can be stored."""
-        return {name: getattr(self, f"_{name}").copy() for name in _ARRAYS}
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        restored = {}
-        for name in _ARRAYS:
-            own = getattr(self, f"_{name}")
-            if name not in state or state[name].shape != own.shape:
-                raise ShapeError(
-                    f"the stored state has no {name} of shape {own.shape}; was it another filter's?"
-                )
-            restored[name] = np.array(state[name], dtype=own.dtype)
-        for name, values in restored.items():
-            setattr(self, f"_{name}", values)
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Every parameter with its value."""
-        return asdict(self._parameters)
-
 
 def _read(parameters: Mapping[str, Any] | None) -> TrackerFusionParameters:
-    given = dict(parameters or {})
-    known = {field.name for field in fields(TrackerFusionParameters)}
-    if unknown := sorted(set(given) - known):
-        raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(known))}")
-    result = replace(TrackerFusionParameters(), **given)
-    for name in known:
-        value = getattr(result, name)
+    result = with_overrides(TrackerFusionParameters(), parameters)
+    for name, value in asdict(result).items():
         if not isinstance(value, bool) and (
             not math.isfinite(value) or value < 0.0 or (value == 0.0 and name not in _MAY_BE_ZERO)
         ):

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, normalized, rotate
+from estimators.kernels.attitudes import attitude_matrix, turn_between
 from estimators.kernels.matrices import joseph, matrix_multiply, multiply_turned, symmetrise
 from estimators.magnetic.relative.update import innovate
 from estimators.magnetic.tracker import fusion_layout as at
-from estimators.magnetic.tracker.fusion_kernel import difference_of_attitudes, inject, turned
+from estimators.magnetic.tracker.fusion_kernel import inject
 from estimators.recording import Float
 
 _P, _V, _Q, _BG, _XI, _PHI = (
@@ -60,7 +61,7 @@ _START_VELOCITY, _RESTART_VELOCITY = 0.05, 0.5
 @kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1])")
 def fix_axes(sample: Float, source: Float, sensor: Float, q: Float) -> None:
     """Write the attitudes of source and sensor in the world as a fix has them: matrices (3, 3), quaternion (4,)."""
-    turned(sample[_GM : _GM + 4], source)
+    attitude_matrix(sample[_GM : _GM + 4], source)
     product = multiply(
         sample[_GM],
         sample[_GM + 1],
@@ -72,7 +73,7 @@ def fix_axes(sample: Float, source: Float, sensor: Float, q: Float) -> None:
         sample[_FIX_Q + 3],
     )
     q[0], q[1], q[2], q[3] = normalized(product[0], product[1], product[2], product[3])
-    turned(q, sensor)
+    attitude_matrix(q, sensor)
 
 
 @kernel("void(float64[::1], float64[::1], float64, float64[:, ::1])")
@@ -175,7 +176,6 @@ def use_fix(
     Separate rows; returns the status bits, `nis` takes the normalised innovation squared of the fix.
     """
     n, status = p.shape[0], 0
-    unused = np.empty(4)
     fixed = math.isfinite(sample[_FIX_P]) and math.isfinite(sample[_FIX_Q])
     if fixed:
         rows = 6 if settings[_USE_PSI] > 0.0 else 3
@@ -185,7 +185,7 @@ def use_fix(
         fix_axes(sample, source, sensor, q)
         velocity_effect(sample, effect)
         solved_velocity(sample, solved)
-        difference_of_attitudes(q, nominal[_Q : _Q + 4], turn, unused)
+        turn_between(q, nominal[_Q : _Q + 4], turn)
         for i in range(rows):
             z[i] = turn[i - 3] if i >= 3 else -nominal[_P + i]
             h[i, (_EP if i < 3 else _ET - 3) + i] = h[i, _EQ + i] = 1.0
@@ -208,9 +208,9 @@ def use_fix(
         counters[_SINCE] = 0
         z, h, r = np.empty(3), np.zeros((3, n)), np.zeros((3, 3))
         worn, own = np.empty((3, 3)), np.empty((3, 3))
-        turned(sample[_GM : _GM + 4], worn)
-        turned(nominal[_Q : _Q + 4], own)
-        difference_of_attitudes(sample[_SAID : _SAID + 4], nominal[_Q : _Q + 4], z, unused)
+        attitude_matrix(sample[_GM : _GM + 4], worn)
+        attitude_matrix(nominal[_Q : _Q + 4], own)
+        turn_between(sample[_SAID : _SAID + 4], nominal[_Q : _Q + 4], z)
         # R_said = Exp(-source's error) R Exp(own error): each in the axes of its module.
         for i in range(3):
             h[i, _ET + i], r[i, i] = 1.0, _NOTHING

@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
 from estimators.kernels import step
+from estimators.kernels.attitudes import attitude_matrix, turn_between, turn_in_world
 from estimators.kernels.matrices import matrix_multiply, symmetrise
 from estimators.magnetic.relative.motion import add_skew
 from estimators.magnetic.tracker import fusion_layout as at
@@ -35,27 +36,6 @@ _T, _FORCE, _RATE, _FORCE_WALK, _RATE_WALK = (
 _XI_SIGMA, _XI_TIME = at.FILTER_SIGMA, at.FILTER_TIME
 
 
-@kernel("void(float64[::1], float64[:, ::1])")
-def turned(q: Float, r: Float) -> None:
-    """Write the matrix of a quaternion."""
-    for j in range(3):
-        a = rotate(
-            q[0], q[1], q[2], q[3], 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0
-        )
-        r[0, j], r[1, j], r[2, j] = a[0], a[1], a[2]
-
-
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
-def difference_of_attitudes(qw: Float, other: Float, out: Float, work: Float) -> None:
-    """Write Log(q other^-1): the turn, in the world, that takes `other` to `q`; `work` has shape (4,)."""
-    q = multiply(qw[0], qw[1], qw[2], qw[3], other[0], -other[1], -other[2], -other[3])
-    sign = 1.0 if q[0] >= 0.0 else -1.0
-    sine = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    scale = 2.0 if sine < 1e-9 else 2.0 * math.atan2(sine, sign * q[0]) / sine
-    for i in range(3):
-        out[i] = sign * scale * q[1 + i]
-
-
 @kernel("void(float64[::1], float64[::1])")
 def inject(nominal: Float, error: Float) -> None:
     """Put an error (truth minus estimate, turns in the world) into the nominal state."""
@@ -67,12 +47,7 @@ def inject(nominal: Float, error: Float) -> None:
         nominal[_XI + i] += error[_EXI + i]
         nominal[_PHI + i] += error[_EPHI + i]
         nominal[_BM + i] += error[_EM + i]
-    turn = exponential(error[_ET], error[_ET + 1], error[_ET + 2])
-    q = multiply(
-        turn[0], turn[1], turn[2], turn[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
-    )
-    q = normalized(q[0], q[1], q[2], q[3])
-    nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
+    turn_in_world(nominal[_Q : _Q + 4], error[_ET : _ET + 3])
 
 
 @step()
@@ -132,10 +107,10 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
     worn = rotate(m[0], m[1], m[2], m[3], fm[0], fm[1], fm[2])
     r, rm, first, last = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     wander = np.zeros(3)
-    turned(np.array(q), r)
-    turned(np.array(m), rm)
-    turned(before[_GM:], first)
-    turned(now[_GM:], last)
+    attitude_matrix(np.array(q), r)
+    attitude_matrix(np.array(m), rm)
+    attitude_matrix(before[_GM:], first)
+    attitude_matrix(now[_GM:], last)
     keep = math.exp(-t / settings[_XI_TIME])
     # The world is the one that the source's filter says: it turns by what that filter's error does in world axes.
     for i in range(3):
@@ -169,8 +144,8 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
 @kernel("float64(float64[::1], float64[::1], float64[::1], float64)")
 def relative_rate(nominal: Float, before: Float, now: Float, time_step_s: float) -> float:
     """Return how fast the sensor turns against the source, rad/s."""
-    source, unused = np.empty(3), np.empty(4)
-    difference_of_attitudes(now[_GM : _GM + 4], before[_GM : _GM + 4], source, unused)
+    source = np.empty(3)
+    turn_between(now[_GM : _GM + 4], before[_GM : _GM + 4], source)
     own = rotate(
         nominal[_Q],
         nominal[_Q + 1],
@@ -209,7 +184,7 @@ def predict(
     force, spin = 2.0 * settings[_FORCE] ** 2, settings[_RATE] ** 2
     wander = settings[_XI_SIGMA] ** 2 * (1.0 - math.exp(-2.0 * t / settings[_XI_TIME]))
     turn, lever, r = np.zeros((n, 3)), np.zeros((n, 3)), np.empty((3, 3))
-    turned(source, r)
+    attitude_matrix(source, r)
     add_skew(lever, _EP, 0, -1.0, nominal[_P], nominal[_P + 1], nominal[_P + 2])
     add_skew(lever, _EV, 0, -1.0, nominal[_V], nominal[_V + 1], nominal[_V + 2])
     for i in range(3):
@@ -236,4 +211,4 @@ def predict(
     symmetrise(p)
 
 
-__all__ = ["difference_of_attitudes", "inject", "predict", "propagate", "relative_rate", "turned"]
+__all__ = ["inject", "predict", "propagate", "relative_rate"]

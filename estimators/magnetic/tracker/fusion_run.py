@@ -6,17 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate_back
+from estimators.kernels.attitudes import attitude_matrix, turn_between
 from estimators.kernels.backward import step_back
 from estimators.kernels.matrices import matrix_multiply, multiply_turned
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.magnetic.tracker.fusion_fix import fix_noise, start, use_fix
 from estimators.magnetic.tracker.fusion_kernel import (
-    difference_of_attitudes,
     inject,
     predict,
     propagate,
     relative_rate,
-    turned,
 )
 from estimators.recording import Float
 
@@ -57,8 +56,8 @@ def report(nominal: Float, m: Float, p: Float, out: Float) -> None:
     sign = 1.0 if q[0] >= 0.0 else -1.0
     turn = np.zeros((6, 6))
     r, own, pose, left = np.empty((3, 3)), np.empty((3, 3)), np.empty((6, 6)), np.empty((6, 6))
-    turned(m, r)
-    turned(nominal[_Q : _Q + 4], own)
+    attitude_matrix(m, r)
+    attitude_matrix(nominal[_Q : _Q + 4], own)
     for i in range(3):
         out[_O_P + i], out[_O_WP + i], out[_O_WV + i] = place[i], nominal[_P + i], nominal[_V + i]
         for j in range(3):
@@ -134,12 +133,11 @@ def run(
 @kernel("void(float64[::1], float64[::1], float64[::1])")
 def difference(a: Float, b: Float, error: Float) -> None:
     """Write the error that, put into b, gives a."""
-    work, turn = np.empty(4), np.empty(3)
-    difference_of_attitudes(a[_Q : _Q + 4], b[_Q : _Q + 4], turn, work)
     error[:] = 0.0
+    turn_between(a[_Q : _Q + 4], b[_Q : _Q + 4], error[_ET : _ET + 3])
     for i in range(3):
         error[_EP + i], error[_EV + i] = a[_P + i] - b[_P + i], a[_V + i] - b[_V + i]
-        error[_ET + i], error[_EA + i] = turn[i], a[_BA + i] - b[_BA + i]
+        error[_EA + i] = a[_BA + i] - b[_BA + i]
         error[_EG + i], error[_EM + i] = a[_BG + i] - b[_BG + i], a[_BM + i] - b[_BM + i]
         error[_EXI + i], error[_EPHI + i] = a[_XI + i] - b[_XI + i], a[_PHI + i] - b[_PHI + i]
 

@@ -12,9 +12,9 @@ from estimators.body import HIP_HEIGHT_PER_STATURE
 from estimators.calibration import DeviceCalibration, FunctionalResult
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
-from estimators.orientation import DeviceConstants, OrientationFlag
-from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines.arm.body import BodyNetwork
+from estimators.orientation import OrientationFlag
+from estimators.pipelines._contract import Calibration, FrameLayout, Frames, SessionSetup
+from estimators.pipelines._network import NetworkPipeline
 from estimators.pipelines.arm.guided import by_movement, reset_heading
 from estimators.pipelines.arm.joint_headings import JointHeadings
 from estimators.recording import Float, ImuChunk
@@ -24,7 +24,7 @@ _INVALID = np.uint8(OrientationFlag.INVALID)
 _HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
 
 
-class ArmPipeline(Pipeline):
+class ArmPipeline(NetworkPipeline):
     """Sensors on sternum, upper arm, forearm and hand to posture, joint angles and compensation.
 
     Any subset with an upper arm or a forearm works, or trunk and thighs: what the worn sensors cannot tell is not in
@@ -61,7 +61,7 @@ class ArmPipeline(Pipeline):
         weighs = has_mass_centre(setup.placements)
         if not weighs and not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
             raise SetupError(say("setup.arm_needs"))
-        self._network = BodyNetwork(setup)
+        super().__init__(setup)
         has_upper_arm = any(name.startswith("upper_arm") for name in setup.placements)
         # A forearm alone has no joint to measure and hangs from nothing: it stays a segment.
         self._model = (
@@ -79,21 +79,6 @@ class ArmPipeline(Pipeline):
             angles=self._model.angles if self._model else (),
             scalars=(*scalars, *MASS_SCALARS) if weighs else scalars,
         )
-
-    @property
-    def layout(self) -> FrameLayout:
-        """Column names of every `Frames` this pipeline gives."""
-        return self._layout
-
-    @property
-    def device_constants(self) -> dict[Placement, DeviceConstants]:
-        """What is known of each sensor by now."""
-        return self._network.device_constants
-
-    @property
-    def setup(self) -> SessionSetup:
-        """The setup with the calibration in force."""
-        return self._network.setup
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
@@ -178,7 +163,7 @@ class ArmPipeline(Pipeline):
 
     def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:
         """Find bias, mounting and facing from the ticks of a pose; see the contract."""
-        found = self._network.calibrate(pose, method)
+        found = super().calibrate(pose, method)
         self._begin_anew()
         return found
 
@@ -209,13 +194,13 @@ class ArmPipeline(Pipeline):
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""
         own = {"previous_angle_rad": self._previous_angle_rad.copy()}
-        return {**self._network.state(), **own, **(self._headings.state() if self._headings else {})}
+        return {**super().state(), **own, **(self._headings.state() if self._headings else {})}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
         if "previous_angle_rad" not in state:
             raise ShapeError("this state has no previous_angle_rad; it is of another pipeline")
-        self._network.restore(state)
+        super().restore(state)
         if self._headings is not None:
             self._headings.restore(state)
         self._previous_angle_rad = np.array(state["previous_angle_rad"], dtype=np.float64)
