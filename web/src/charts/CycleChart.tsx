@@ -1,6 +1,7 @@
 // One quantity over the gait cycle: left and right with their bands, and a walk before as thin lines.
 import { useMemo } from 'react';
 import type uPlot from 'uplot';
+import { LegendStroke } from './Legend';
 import type { CycleCurve } from '../api/types';
 import { t } from '../i18n';
 import { displayUnit, quantity } from '../lib/format';
@@ -93,25 +94,16 @@ export function CycleChart({ name, left, right, beforeLeft, beforeRight, height 
 export function CycleLegend({ hasBefore }: { hasBefore: boolean }) {
   return (
     <ul className="legend plain-list">
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" stroke="var(--tm-series-1)" strokeWidth="3" />
-        </svg>
+      <LegendStroke stroke="var(--tm-series-1)" strokeWidth="3">
         {t('cycle.left')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" stroke="var(--tm-series-2)" strokeWidth="3" strokeDasharray="8 5" />
-        </svg>
+      </LegendStroke>
+      <LegendStroke stroke="var(--tm-series-2)" strokeWidth="3" strokeDasharray="8 5">
         {t('cycle.right')}
-      </li>
+      </LegendStroke>
       {hasBefore && (
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path d="M0 7h34" stroke="var(--tm-muted)" strokeWidth="1.2" />
-          </svg>
+        <LegendStroke stroke="var(--tm-muted)" strokeWidth="1.2">
           {t('cycle.beforeLine')}
-        </li>
+        </LegendStroke>
       )}
     </ul>
   );

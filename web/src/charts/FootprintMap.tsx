@@ -1,5 +1,6 @@
 // Footprints from above: where each foot stood and pointed, and where mass and pressure went between them.
 import { useEffect, useId, useMemo, useRef, useState } from 'react';
+import { LegendStroke } from './Legend';
 import type { Gait } from '../api/types';
 import { t } from '../i18n';
 import { number } from '../lib/format';
@@ -143,18 +144,12 @@ export function MapLegend({ hasBalance }: { hasBalance: boolean }) {
       </li>
       {hasBalance && (
         <>
-          <li>
-            <svg width="34" height="14" aria-hidden>
-              <path d="M0 7h34" stroke="var(--tm-ink)" strokeWidth="3.2" />
-            </svg>
+          <LegendStroke stroke="var(--tm-ink)" strokeWidth="3.2">
             {t('map.mass')}
-          </li>
-          <li>
-            <svg width="34" height="14" aria-hidden>
-              <path d="M0 7h34" stroke="var(--tm-series-3)" strokeWidth="1.8" strokeDasharray="5 3" />
-            </svg>
+          </LegendStroke>
+          <LegendStroke stroke="var(--tm-series-3)" strokeWidth="1.8" strokeDasharray="5 3">
             {t('map.pressure')}
-          </li>
+          </LegendStroke>
         </>
       )}
     </ul>

@@ -1,6 +1,7 @@
 // Several named lines on common axes, distinguished by colour and stroke, with a legend in words.
 import { useMemo } from 'react';
 import type uPlot from 'uplot';
+import { LegendStroke } from './Legend';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 import { aligned, type Line } from './scales';
 
@@ -51,17 +52,14 @@ export function LineChart({ lines, xTitle, yTitle, label, logarithmic = false, h
       {lines.length > 1 && (
         <ul className="legend plain-list">
           {lines.map((line, index) => (
-            <li key={line.name}>
-              <svg width="34" height="14" aria-hidden>
-                <path
-                  d="M0 7h34"
-                  stroke={`var(${colourOf(index)})`}
-                  strokeWidth="3"
-                  strokeDasharray={dashOf(index)?.join(' ')}
-                />
-              </svg>
+            <LegendStroke
+              key={line.name}
+              stroke={`var(${colourOf(index)})`}
+              strokeWidth="3"
+              strokeDasharray={dashOf(index)?.join(' ')}
+            >
               {line.name}
-            </li>
+            </LegendStroke>
           ))}
         </ul>
       )}

@@ -1,6 +1,7 @@
 // One channel over the phases of a movement: the template with its band, every repetition, red where it leaves the band.
 import { useEffect, useMemo, useRef } from 'react';
 import type uPlot from 'uplot';
+import { LegendRow, LegendStroke } from './Legend';
 import type { PhaseCurve, PhaseDesign } from '../api/types';
 import { t } from '../i18n';
 import { displayUnit, quantity, tick } from '../lib/format';
@@ -267,26 +268,23 @@ export function PhaseChart({
 export function PhaseLegend({ withOutside, patient }: { withOutside: boolean; patient: boolean }) {
   return (
     <ul className="legend plain-list">
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <rect width="34" height="14" rx="3" fill="var(--tm-neutral-band)" />
-          <path d="M0 7h34" stroke="var(--tm-ink)" strokeWidth="2.5" strokeDasharray="7 4" />
-        </svg>
+      <LegendRow
+        sign={
+          <>
+            <rect width="34" height="14" rx="3" fill="var(--tm-neutral-band)" />
+            <path d="M0 7h34" stroke="var(--tm-ink)" strokeWidth="2.5" strokeDasharray="7 4" />
+          </>
+        }
+      >
         {t('phase.legendTemplate')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" stroke="var(--tm-accent)" strokeWidth="2.5" />
-        </svg>
+      </LegendRow>
+      <LegendStroke stroke="var(--tm-accent)" strokeWidth="2.5">
         {patient ? t('phase.legendPatient') : t('phase.legendRepetition')}
-      </li>
+      </LegendStroke>
       {withOutside && (
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path d="M0 7h34" stroke="var(--tm-alert)" strokeWidth="5" />
-          </svg>
+        <LegendStroke stroke="var(--tm-alert)" strokeWidth="5">
           {t('phase.legendOutside')}
-        </li>
+        </LegendStroke>
       )}
     </ul>
   );

@@ -12,6 +12,7 @@ import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
 import { day, number, quantity } from '../lib/format';
 import { actionPath, matches, type CaseloadFilter } from '../lib/assessment/caseload';
+import { fullName } from '../lib/people';
 import { ArchivedPatients } from './patient/ArchivedPatients';
 
 function Practised({ percent }: { percent: number | null }) {
@@ -27,7 +28,7 @@ function Practised({ percent }: { percent: number | null }) {
 }
 
 function Row({ row }: { row: CaseloadRow }) {
-  const name = `${row.given_name} ${row.family_name}`;
+  const name = fullName(row);
   return (
     <tr>
       <td className="who wide">

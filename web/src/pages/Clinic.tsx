@@ -12,6 +12,7 @@ import { Answer, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
+import { fullName } from '../lib/people';
 import { ClinicCard } from './ClinicCard';
 import { SourcesCard } from '../kinds/magnetic/SourcesCard';
 
@@ -70,7 +71,7 @@ function NewAccount({ onDone }: { onDone: () => void }) {
           label={t('clinic.record')}
           description={t('clinic.recordHelp')}
           searchable
-          data={(patients.data ?? []).map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+          data={(patients.data ?? []).map((one) => ({ value: one.id, label: fullName(one) }))}
           value={patientId}
           onChange={setPatientId}
         />

@@ -7,6 +7,7 @@ import { Page } from '../components/Page';
 import { isWalk } from '../lib/exercises';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
+import { fullName } from '../lib/people';
 import { TemplateCard } from './template/TemplateCard';
 
 export function ExercisePage() {
@@ -29,9 +30,7 @@ export function ExercisePage() {
       }
       crumbs={[
         { to: '/exercises', text: t('nav.exercises') },
-        ...(patient.data
-          ? [{ to: `/patients/${patient.data.id}`, text: `${patient.data.given_name} ${patient.data.family_name}` }]
-          : []),
+        ...(patient.data ? [{ to: `/patients/${patient.data.id}`, text: fullName(patient.data) }] : []),
       ]}
       actions={
         <Button

@@ -12,6 +12,7 @@ import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { KINDS, kindOf } from '../kinds';
+import { fullName } from '../lib/people';
 import { LEG_PLACEMENTS } from '../lib/placements';
 import { beginningOf, complete, type Pipeline } from '../lib/csv';
 import { number } from '../lib/format';
@@ -199,7 +200,7 @@ export function UploadPage() {
             maw={480}
             data={(patients.data ?? [])
               .filter((one) => one.may_treat)
-              .map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+              .map((one) => ({ value: one.id, label: fullName(one) }))}
             value={patientId}
             onChange={setPatientId}
           />

@@ -9,6 +9,7 @@ import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
+import { fullName, patientCrumbs } from '../../lib/people';
 import { measureLabel, measureText, partsOf } from './gait';
 
 type Condition = 'a' | 'b' | '';
@@ -154,13 +155,9 @@ export function ConditionsPage() {
   const { patientId = '' } = useParams();
   const patient = usePatient(patientId);
   const walks = useWalks(patientId);
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   return (
-    <Page
-      title={t('conditions.title')}
-      lead={t('conditions.lead')}
-      crumbs={[{ to: '/', text: t('nav.caseload') }, ...(name ? [{ to: `/patients/${patientId}`, text: name }] : [])]}
-    >
+    <Page title={t('conditions.title')} lead={t('conditions.lead')} crumbs={patientCrumbs(patientId, name)}>
       <Answer of={walks} lines={6}>
         {(list) =>
           list.length === 0 ? (

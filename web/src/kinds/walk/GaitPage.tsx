@@ -10,6 +10,7 @@ import { Answer, Empty, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
+import { fullName, patientCrumbs } from '../../lib/people';
 import { footOf } from './gait';
 import { MapCard } from './views/MapCard';
 import { StrideTable, type ChosenStride } from './views/StrideTable';
@@ -118,17 +119,14 @@ export function GaitPage() {
   const session = useSession(sessionId);
   const gait = useGait(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   const started = session.data?.started_at ?? session.data?.created_at;
   return (
     <Page
       compact
       title={session.data?.exercise_name ?? t('walk.title')}
       lead={session.data && started ? `${name} · ${dateTime(started)}` : undefined}
-      crumbs={[
-        { to: '/', text: t('nav.caseload') },
-        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
-      ]}
+      crumbs={patientCrumbs(session.data?.patient_id, name)}
       actions={
         <>
           <Button

@@ -1,4 +1,5 @@
 import type { CaseloadRow } from '../../api/types';
+import { fullName } from '../people';
 
 export type CaseloadFilter = 'all' | 'look' | 'live';
 
@@ -22,7 +23,7 @@ export function actionPath(row: Pick<CaseloadRow, 'action' | 'action_session_id'
 export function matches(row: CaseloadRow, filter: CaseloadFilter, search: string): boolean {
   if (filter === 'look' && row.reason === '') return false;
   if (filter === 'live' && row.live_state !== 'streaming') return false;
-  return holdsWords(`${row.given_name} ${row.family_name}`, search);
+  return holdsWords(fullName(row), search);
 }
 
 /** Whether a name holds every word searched for, accents and case aside. */

@@ -6,6 +6,7 @@ import { Answer, Empty, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { holdsWords } from '../../lib/assessment/caseload';
 import { date } from '../../lib/format';
+import { fullName } from '../../lib/people';
 
 /** Who was taken off the caseload; the patient's page has the way back. */
 export function ArchivedPatients({ search = '' }: { search?: string }) {
@@ -19,7 +20,7 @@ export function ArchivedPatients({ search = '' }: { search?: string }) {
     <div className="card">
       <Answer of={patients} lines={3}>
         {(list) => {
-          const shown = list.filter((one) => holdsWords(`${one.given_name} ${one.family_name}`, search));
+          const shown = list.filter((one) => holdsWords(fullName(one), search));
           return shown.length === 0 ? (
             <Empty
               icon={<IconArchive size={44} aria-hidden />}

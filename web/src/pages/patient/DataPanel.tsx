@@ -11,6 +11,7 @@ import { Notice, Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
+import { fullName } from '../../lib/people';
 
 /** The archive of everything, as the browser downloads it. */
 export function ExportButton({ patientId, size }: { patientId: string; size?: 'sm' | 'lg' }) {
@@ -113,7 +114,7 @@ export function DataPanel({ patient }: { patient: Patient }) {
       <Modal
         opened={isErasing}
         onClose={erasing.close}
-        title={t('data.eraseTitle', { name: `${patient.given_name} ${patient.family_name}` })}
+        title={t('data.eraseTitle', { name: fullName(patient) })}
         closeButtonProps={{ 'aria-label': t('action.close') }}
       >
         {isErasing && <Erase patient={patient} onDone={erasing.close} />}

@@ -13,6 +13,7 @@ import { PatientForm } from '../../components/forms/PatientForm';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { age, bodyLength, date, day } from '../../lib/format';
+import { fullName } from '../../lib/people';
 import { scoreText } from '../session/live/Calibration';
 import { AccessPanel } from './AccessPanel';
 import { DataPanel } from './DataPanel';
@@ -118,7 +119,7 @@ function Loaded({ patient }: { patient: Patient }) {
 export function PatientPage() {
   const { patientId = '' } = useParams();
   const patient = usePatient(patientId);
-  const title = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+  const title = patient.data ? fullName(patient.data) : t('patient.title');
   return (
     <Page
       title={title}

@@ -13,6 +13,7 @@ import { BASELINE } from '../../lib/assessment/baseline';
 import { courseRows, type CourseRow } from '../../lib/assessment/course';
 import { activeText } from '../../lib/assessment/practice';
 import { date, difference, number, quantity, span } from '../../lib/format';
+import { fullName, patientCrumbs } from '../../lib/people';
 import { CourseWords } from './CourseWords';
 import { Sheet } from './Sheet';
 
@@ -198,13 +199,13 @@ export function CoursePage() {
   const patient = usePatient(patientId);
   const course = useCourse(patientId, exerciseId);
   const progress = useProgress(patientId, exerciseId);
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   return (
     <Page
       compact
       title={t('course.title')}
       lead={course.data ? `${name} · ${course.data.exercise_name}` : undefined}
-      crumbs={[{ to: '/', text: t('nav.caseload') }, ...(name ? [{ to: `/patients/${patientId}`, text: name }] : [])]}
+      crumbs={patientCrumbs(patientId, name)}
       actions={
         <Button leftSection={<IconPrinter size={19} aria-hidden />} onClick={() => window.print()}>
           {t('report.print')}

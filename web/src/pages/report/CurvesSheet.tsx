@@ -1,3 +1,4 @@
+import { LegendRow, LegendStroke } from '../../charts/Legend';
 import type { ComparisonDetail } from '../../api/types';
 import { PaperPhases } from '../../charts/PaperChart';
 import { t } from '../../i18n';
@@ -17,26 +18,29 @@ export function CurvesSheet({ session, patient, comparison }: ReportProps & { co
   return (
     <Sheet title={t('report.curves')} number={2} session={session} patient={patient}>
       <ul className="paper-legend plain-list">
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <rect className="paper-band" width="34" height="14" />
-            <path className="paper-template" d="M0 7h34" />
-          </svg>
+        <LegendRow
+          sign={
+            <>
+              <rect className="paper-band" width="34" height="14" />
+              <path className="paper-template" d="M0 7h34" />
+            </>
+          }
+        >
           {t('phase.legendTemplate')}
-        </li>
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path className="paper-line paper-line-strong" d="M0 7h34" />
-          </svg>
+        </LegendRow>
+        <LegendStroke className="paper-line paper-line-strong">
           {t('report.legendRepetitions', { count: comparison.repetition_count })}
-        </li>
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path className="paper-outside" d="M0 4h34" />
-            <path className="paper-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
-          </svg>
+        </LegendStroke>
+        <LegendRow
+          sign={
+            <>
+              <path className="paper-outside" d="M0 4h34" />
+              <path className="paper-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
+            </>
+          }
+        >
           {t('report.legendOutside')}
-        </li>
+        </LegendRow>
       </ul>
       <div className="paper-curves">
         {curves.map((curve) => {

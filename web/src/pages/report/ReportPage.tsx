@@ -17,6 +17,7 @@ import { Answer } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime } from '../../lib/format';
+import { fullName, patientCrumbs } from '../../lib/people';
 import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
 import { SummarySheet } from './SummarySheet';
@@ -77,15 +78,14 @@ export function ReportPage() {
   const { sessionId = '' } = useParams();
   const session = useSession(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   return (
     <Page
       compact
       title={t('report.title')}
       lead={session.data ? `${name} · ${dateTime(session.data.started_at ?? session.data.created_at)}` : undefined}
       crumbs={[
-        { to: '/', text: t('nav.caseload') },
-        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+        ...patientCrumbs(session.data?.patient_id, name),
         ...(session.data
           ? [{ to: `/sessions/${session.data.id}`, text: session.data.exercise_name ?? t('session.free') }]
           : []),

@@ -12,6 +12,7 @@ import { BeginWorn } from '../../kinds/BeginForm';
 import type { BeginProps, SessionKind } from '../../kinds/kind';
 import { partsOf } from '../../kinds/parts';
 import { movementOf } from '../../lib/exercises';
+import { fullName } from '../../lib/people';
 
 function Form({ patient }: { patient: Patient }) {
   const [search] = useSearchParams();
@@ -78,7 +79,7 @@ export function NewSessionPage() {
   const { patientId = '' } = useParams();
   const [search] = useSearchParams();
   const patient = usePatient(patientId);
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+  const name = patient.data ? fullName(patient.data) : t('patient.title');
   return (
     <Page
       narrow

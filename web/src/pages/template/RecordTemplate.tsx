@@ -23,6 +23,7 @@ import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
 import { pickCurves } from '../../lib/assessment/comparison';
+import { fullName } from '../../lib/people';
 
 const SHOWN_FIRST = 12;
 const SHOWN_MORE = 24;
@@ -63,7 +64,7 @@ function Source({
         maw={420}
         data={(patients.data ?? [])
           .filter((one) => one.may_treat)
-          .map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+          .map((one) => ({ value: one.id, label: fullName(one) }))}
         value={patientId || null}
         onChange={(value) => value && onPatient(value)}
       />
@@ -166,7 +167,7 @@ function Shape({
   const accepted = content.repetitions.length - dropped.size;
   const existing = templates.data ?? [];
   const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
-  const patientName = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+  const patientName = patient.data ? fullName(patient.data) : t('patient.title');
 
   const toggle = (position_: number) => {
     const next = new Set(dropped);

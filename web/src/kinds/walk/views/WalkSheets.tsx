@@ -1,4 +1,5 @@
 // The report of a walk: what came of it and whether it changed, curves over the gait cycle, method and quality.
+import { LegendStroke } from '../../../charts/Legend';
 import { useEstimators, useGait, useProgress } from '../../../api/queries';
 import type { CycleCurve, Gait, Patient, ProgressMeasure, SessionDetail, WalkMeasure } from '../../../api/types';
 import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
@@ -169,18 +170,8 @@ function Curves({ session, patient, gait, names }: Walked & { names: readonly Cy
   return (
     <Sheet title={t('walkReport.curves')} number={2} session={session} patient={patient}>
       <ul className="paper-legend plain-list">
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path className="paper-line paper-line-strong" d="M0 7h34" />
-          </svg>
-          {t('cycle.left')}
-        </li>
-        <li>
-          <svg width="34" height="14" aria-hidden>
-            <path className="paper-template paper-right" d="M0 7h34" />
-          </svg>
-          {t('cycle.right')}
-        </li>
+        <LegendStroke className="paper-line paper-line-strong">{t('cycle.left')}</LegendStroke>
+        <LegendStroke className="paper-template paper-right">{t('cycle.right')}</LegendStroke>
       </ul>
       <div className="paper-curves">
         {names.map((name) => (

@@ -13,6 +13,7 @@ import { t } from '../../../i18n';
 import { kindOf } from '../../../kinds';
 import { partsOf } from '../../../kinds/parts';
 import type { LiveProps } from '../../../kinds/kind';
+import { fullName, patientCrumbs } from '../../../lib/people';
 import { wornPlacements } from '../../../lib/placements';
 import { eventText } from '../../../lib/events';
 import { number, position } from '../../../lib/format';
@@ -214,16 +215,13 @@ export function LiveSessionPage() {
   const { sessionId = '' } = useParams();
   const session = useSession(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   return (
     <Page
       compact
       title={name || t('live.title')}
       lead={session.data ? sessionTitle(session.data) : undefined}
-      crumbs={[
-        { to: '/', text: t('nav.caseload') },
-        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
-      ]}
+      crumbs={patientCrumbs(session.data?.patient_id, name)}
     >
       <Answer of={session} lines={8} height={50}>
         {(data) => <Loaded key={data.id} session={data} />}

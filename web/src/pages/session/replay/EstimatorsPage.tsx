@@ -13,6 +13,7 @@ import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
 import { differenceRows, distinctResults, overallRms } from '../../../lib/assessment/differences';
 import { dateTime, number, position } from '../../../lib/format';
+import { fullName, patientCrumbs } from '../../../lib/people';
 
 function shortLabel(result: Result, estimators: readonly Estimator[]): string {
   const title = estimators.find((one) => one.name === result.orientation)?.title ?? result.orientation;
@@ -187,15 +188,14 @@ export function EstimatorsPage() {
   const { sessionId = '' } = useParams();
   const session = useSession(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   return (
     <Page
       compact
       title={t('differences.title')}
       lead={session.data ? `${name} · ${dateTime(session.data.started_at ?? session.data.created_at)}` : undefined}
       crumbs={[
-        { to: '/', text: t('nav.caseload') },
-        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+        ...patientCrumbs(session.data?.patient_id, name),
         ...(session.data
           ? [{ to: `/sessions/${session.data.id}?show=details`, text: session.data.exercise_name ?? t('session.free') }]
           : []),

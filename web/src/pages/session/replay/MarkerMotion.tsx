@@ -2,6 +2,7 @@
 import { Button, Select } from '@mantine/core';
 import { useEffect, useMemo, useRef } from 'react';
 import type uPlot from 'uplot';
+import { LegendRow, LegendStroke } from '../../../charts/Legend';
 import { MOTION_BLOCK_S, useMarkerMotion } from '../../../api/queries';
 import type { MarkerMotion as Motion, Markers } from '../../../api/types';
 import { hatch } from '../../../charts/hatch';
@@ -183,26 +184,19 @@ function AxisTrace({ index, blocks, gaps, player, onSeek }: AxisProps) {
 export function MarkerLegend() {
   return (
     <ul className="legend plain-list" aria-label={t('markers.legend')}>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          {[7, 17, 27].map((x) => (
-            <circle key={x} cx={x} cy="7" r="3" fill="var(--tm-series-3)" />
-          ))}
-        </svg>
+      <LegendRow
+        sign={[7, 17, 27].map((x) => (
+          <circle key={x} cx={x} cy="7" r="3" fill="var(--tm-series-3)" />
+        ))}
+      >
         {t('markers.legend.frame')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" stroke="var(--tm-series-2)" strokeWidth="3" />
-        </svg>
+      </LegendRow>
+      <LegendStroke stroke="var(--tm-series-2)" strokeWidth="3">
         {t('markers.legend.path')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" stroke="var(--tm-series-6)" strokeWidth="3" strokeDasharray="9 5" />
-        </svg>
+      </LegendStroke>
+      <LegendStroke stroke="var(--tm-series-6)" strokeWidth="3" strokeDasharray="9 5">
         {t('markers.legend.gap')}
-      </li>
+      </LegendStroke>
     </ul>
   );
 }

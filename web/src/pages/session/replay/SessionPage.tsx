@@ -26,6 +26,7 @@ import { preferredAngles } from '../../../lib/channels';
 import { dateTime, duration } from '../../../lib/format';
 import { massChannels } from '../../../lib/assessment/massCentre';
 import { templateOver } from '../../../lib/assessment/overlay';
+import { fullName, patientCrumbs } from '../../../lib/people';
 import { isLive, sessionTitle } from '../../../lib/sessions';
 import { useKeys } from '../../../lib/keys';
 import { templatePhaseAt, timeAtTemplatePhase } from '../../../lib/assessment/warp';
@@ -300,7 +301,7 @@ export function SessionPage() {
   const { sessionId = '' } = useParams();
   const session = useSession(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
-  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const name = patient.data ? fullName(patient.data) : '';
   if (session.data && (isLive(session.data.state) || session.data.state === 'closing'))
     return <Navigate to={`/sessions/${sessionId}/live`} replace />;
   const Actions = session.data && partsOf(session.data).replay.Actions;
@@ -312,10 +313,7 @@ export function SessionPage() {
       lead={
         session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined
       }
-      crumbs={[
-        { to: '/', text: t('nav.caseload') },
-        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
-      ]}
+      crumbs={patientCrumbs(session.data?.patient_id, name)}
       actions={session.data?.state === 'analysed' && Actions ? <Actions session={session.data} /> : undefined}
     >
       <Answer of={session} lines={8} height={50}>

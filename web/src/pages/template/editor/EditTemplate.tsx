@@ -2,6 +2,7 @@
 import { Button, Group, Textarea } from '@mantine/core';
 import { useEffect, useMemo, useState } from 'react';
 import { useNavigate, useParams } from 'react-router';
+import { LegendRow, LegendStroke } from '../../../charts/Legend';
 import { useDrawVersion, useTemplateVersion } from '../../../api/queries';
 import type { TemplateVersionDetail } from '../../../api/types';
 import { Answer, Problem } from '../../../components/Feedback';
@@ -117,24 +118,11 @@ function Drawing({
 function Legend() {
   return (
     <ul className="legend plain-list">
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <rect width="34" height="14" rx="3" className="band-area" />
-        </svg>
+      <LegendRow sign={<rect width="34" height="14" rx="3" className="band-area" />}>
         {t('design.legendBand')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" className="band-mean" />
-        </svg>
-        {t('design.legendMean')}
-      </li>
-      <li>
-        <svg width="34" height="14" aria-hidden>
-          <path d="M0 7h34" className="band-repetition" />
-        </svg>
-        {t('design.legendRepetition')}
-      </li>
+      </LegendRow>
+      <LegendStroke className="band-mean">{t('design.legendMean')}</LegendStroke>
+      <LegendStroke className="band-repetition">{t('design.legendRepetition')}</LegendStroke>
     </ul>
   );
 }
