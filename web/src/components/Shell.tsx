@@ -55,10 +55,12 @@ export function Shell() {
     main.current?.focus({ preventScroll: true });
   }, [location.pathname]);
 
-  if (me.error) {
+  // Said at the first failure: the tries that follow take their time.
+  const problem = me.data === undefined ? me.failureReason : null;
+  if (problem) {
     return (
       <div className="page page-narrow">
-        <Problem error={me.error} onRetry={() => void me.refetch()} />
+        <Problem error={problem} onRetry={() => void me.refetch()} />
       </div>
     );
   }

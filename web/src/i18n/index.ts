@@ -57,6 +57,11 @@ export function currentLanguage(): string {
   return language;
 }
 
+/** A name as it stands within a sentence: without a capital of its own. */
+export function withinSentence(name: string): string {
+  return name.slice(0, 1).toLocaleLowerCase(formatLocale()) + name.slice(1);
+}
+
 /** The language for number and date formats; dates are written day first in English. */
 export function formatLocale(): string {
   return language === 'en' ? 'en-GB' : language;

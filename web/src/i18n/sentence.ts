@@ -1,6 +1,6 @@
 // Sentences of the service in the language of the reader: code and parameters from the service, words from a catalogue that
 // `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`.
-import { currentLanguage, formatLocale } from './index';
+import { currentLanguage, formatLocale, withinSentence } from './index';
 import english from './en/sentences.json';
 
 /** What a text of the service says, for saying it again. */
@@ -63,8 +63,7 @@ function quantity(value: unknown, format: string): string | null {
 function written(value: unknown, format: string, words: Sentences): string {
   const plain = (one: unknown) => (isSentence(one) ? (said(one, words) ?? '') : String(one));
   // Within a sentence a sentence has no capital of its own.
-  const within = (one: unknown) =>
-    isSentence(one) ? plain(one).slice(0, 1).toLocaleLowerCase(formatLocale()) + plain(one).slice(1) : plain(one);
+  const within = (one: unknown) => (isSentence(one) ? withinSentence(plain(one)) : plain(one));
   if (isList(format)) return listed(all(value).map(within), format);
   if (format === 'lines') return all(value).map(plain).join(' ');
   if (!format) return plain(value);

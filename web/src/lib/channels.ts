@@ -1,5 +1,5 @@
 // Names of angles, scalars, points and placements in plain words, with the convention beside them.
-import { formatLocale, t, tOr } from '../i18n';
+import { t, tOr, withinSentence } from '../i18n';
 import type { Placement } from '../api/types';
 import { pairOf } from '../kinds/magnetic/magnetic';
 
@@ -100,9 +100,7 @@ export function placementLabel(placement: Placement | string): string {
 
 /** Several places in a row, as they stand within a sentence: `left forearm, left hand`. */
 export function placementList(placements: readonly string[]): string {
-  return placements
-    .map((one) => placementLabel(one).replace(/^./, (first) => first.toLocaleLowerCase(formatLocale())))
-    .join(', ');
+  return placements.map((one) => withinSentence(placementLabel(one))).join(', ');
 }
 
 /** The angles worth showing first: the exercise's own, then what a therapist looks at next. */

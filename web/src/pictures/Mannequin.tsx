@@ -92,9 +92,9 @@ export interface ManyArms {
   turns?: 'shoulder' | 'elbow' | 'palm';
 }
 
-function Frame({ children, left = 0, width = 240 }: { children: ReactNode; left?: number; width?: number }) {
+function Frame({ children, view = '0 0 240 306' }: { children: ReactNode; view?: string }) {
   return (
-    <svg className="picture" viewBox={`${left} 0 ${width} 306`} aria-hidden>
+    <svg className="picture" viewBox={view} aria-hidden>
       {children}
     </svg>
   );
@@ -122,11 +122,15 @@ function Moves({ shoulder, sign, arm, before, turns }: ManyArms & { shoulder: Po
   );
 }
 
-/** Seen from the front, standing or on a stool; both arms do the same. */
-export function FrontFigure({ isSeated, ...arms }: ManyArms & { isSeated?: boolean }) {
+/** Seen from the front, standing or on a stool; both arms do the same. `view` is the part of the drawing that is shown. */
+export function FrontFigure({
+  isSeated,
+  view = '-36 0 312 306',
+  ...arms
+}: ManyArms & { isSeated?: boolean; view?: string }) {
   const knee = isSeated ? 204 : 230;
   return (
-    <Frame left={-36} width={312}>
+    <Frame view={view}>
       <path className="figure-floor" d="M0 296h240" />
       {isSeated && <path className="figure-chair" d="M82 196h76M88 198v94M152 198v94" />}
       <g className="figure-rest">

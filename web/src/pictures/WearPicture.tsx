@@ -23,12 +23,17 @@ const PLACES: Partial<Record<Placement, readonly [x: number, y: number]>> = {
   foot_right: [101, 286],
 };
 
-/** The numbers of the list beside it, drawn where each sensor sits. */
+/** Below this nothing of the legs is needed. */
+const HIPS = 210;
+
+/** The numbers of the list beside it, drawn where each sensor sits; as large as they can be. */
 export function WearPicture({ placements, label }: { placements: readonly Placement[]; label: string }) {
+  const isWhole = placements.some((place) => (PLACES[place]?.[1] ?? 0) > HIPS - 10);
+  const view = isWhole ? '60 0 120 306' : `60 6 120 ${HIPS}`;
   return (
     <div className="wear-picture" role="img" aria-label={label}>
-      <FrontFigure arm={[5, 4]} />
-      <svg viewBox="-36 0 312 306" aria-hidden>
+      <FrontFigure arm={[5, 4]} view={view} />
+      <svg viewBox={view} aria-hidden>
         {placements.map((place, index) => {
           const at = PLACES[place];
           return at ? (

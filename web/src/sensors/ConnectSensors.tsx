@@ -7,7 +7,7 @@ import { useNavigate } from 'react-router';
 import { api } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
 import { useSignedIn } from '../components/account/useSignedIn';
-import { t } from '../i18n';
+import { t, withinSentence } from '../i18n';
 import { placementLabel } from '../lib/channels';
 import { PlainProblem } from '../pages/mine/PlainProblem';
 import { Phone } from './phone';
@@ -114,7 +114,7 @@ function WithPhone({
     <>
       <div className="home-steps">
         <ol>
-          <li>{t('sensors.phoneStrap', { place: placementLabel(place).toLowerCase() })}</li>
+          <li>{t('sensors.phoneStrap', { place: withinSentence(placementLabel(place)) })}</li>
           <li>{t('sensors.phoneTight')}</li>
           <li>{t('sensors.phoneStart')}</li>
         </ol>

@@ -133,8 +133,8 @@ it('says what counts, what stops and what is said', async () => {
   await userEvent.click(stops.getByRole('button', { name: 'Add a limit' }));
   await userEvent.click(stops.getByRole('switch', { name: 'Stop after this many minutes' }));
   const cues = within(screen.getByRole('region', { name: 'What is said' }));
-  expect(cues.getByText('When Trunk forward lean is more than 8° too large')).toBeTruthy();
-  await userEvent.type(cues.getByRole('textbox', { name: /Words to say when Trunk/ }), 'Back to the chair');
+  expect(cues.getByText('When trunk forward lean is more than 8° too large')).toBeTruthy();
+  await userEvent.type(cues.getByRole('textbox', { name: /Words to say when trunk/ }), 'Back to the chair');
   await userEvent.click(cues.getByRole('switch', { name: 'On: A bit quicker.' }));
   await userEvent.click(cues.getByRole('button', { name: 'Add a cue' }));
   await userEvent.type(cues.getByRole('textbox', { name: 'Say' }), 'Straighten the elbow');

@@ -8,6 +8,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { GuidanceMessage, SessionDetail } from '../../src/api/types';
 import { After } from '../../src/pages/mine/exercise/After';
 import { Controls, Count, NowLine } from '../../src/pages/mine/exercise/Doing';
+import { momentOf } from '../../src/pages/mine/moment';
 import { heldBy, useHold } from '../../src/pages/mine/exercise/useHold';
 import { analystWordsIn } from './analystWords';
 
@@ -210,5 +211,20 @@ describe('the questions after it', () => {
     await userEvent.click(screen.getByRole('button', { name: 'Send to my therapist' }));
     expect(asked.at(-1)).toEqual(['PUT /api/sessions/s/answers', { pain: 1, effort: 6 }]);
     expect(await screen.findByText('Thank you. Your therapist can read it.')).toBeTruthy();
+  });
+});
+
+describe('the moment of a session', () => {
+  const session = { state: 'closing', pipeline: 'arm', recording_start_s: 1, recording_end_s: 9 } as const;
+  const snapshot = {
+    state: { state: 'analysed' },
+    connection: 'open',
+    silentSinceS: null,
+    calibration: null,
+  } as unknown as Parameters<typeof momentOf>[0];
+
+  it('is over for the page when its result can be opened, not when the socket has heard of it', () => {
+    expect(momentOf(snapshot, session)).toBe('preparing');
+    expect(momentOf(snapshot, { ...session, state: 'analysed' })).toBe('done');
   });
 });

@@ -7,7 +7,9 @@ import { useSignedIn } from './useSignedIn';
 /** The deeds in words; what has the same words is one deed, for instance reading a comparison and the list of them. */
 function deedTexts(deeds: readonly AuditDeed[], isOwn: boolean): string[] {
   const counts = new Map<string, number>();
-  for (const { action, count } of deeds) {
+  for (const { action: exact, count } of deeds) {
+    // Which way of calibrating it was is for the record, not for the reader.
+    const action = exact.replace(/calibration_\w+$/, 'calibrate');
     const staff = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
     const words = isOwn ? tOr(`mine.audit.${action}`, staff) : staff;
     counts.set(words, (counts.get(words) ?? 0) + count);

@@ -25,7 +25,7 @@ export const doing = {
   'doing.held.finish.text': 'Nothing is counted until you decide.',
   'doing.held.pain': 'Stop and rest',
   'doing.held.pain.text':
-    'Let your arm rest. If the pain stays or is strong, finish for today and call your therapist.',
+    'Stop moving and rest. If the pain stays or is strong, finish for today and call your therapist.',
   'doing.held.pain.known': 'Your therapist sees that it hurt.',
   'doing.held.limit': 'That was far enough',
   'doing.held.limit.text':
@@ -46,6 +46,7 @@ export const doing = {
     'Your movement cannot be seen well. Check that the sensors sit firmly and are near. It goes on by itself.',
   'doing.held.wrong_in_a_row': 'Look once more',
   'doing.held.wrong_in_a_row.text': 'Watch how the figure moves. Then try it the same way.',
+  'doing.facesYou': 'The figure looks at you: its right side is on your left.',
   'doing.wearPicture': 'Where the sensors sit: {places}',
 
   'after.title': 'How was it?',
@@ -55,8 +56,8 @@ export const doing = {
   'after.effort': 'How hard was it?',
   'after.effort.least': 'very easy',
   'after.effort.most': 'as hard as it can be',
-  'after.third.least': 'no',
-  'after.third.most': 'yes, very much',
+  'after.third.least': 'not at all',
+  'after.third.most': 'very much',
   'after.note': 'Anything you want to tell your therapist?',
   'after.send': 'Send to my therapist',
   'after.sent': 'Thank you. Your therapist can read it.',

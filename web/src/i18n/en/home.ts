@@ -39,7 +39,7 @@ export const home = {
   'home.moment.going.text': 'Do your exercise. When you have finished, press the button.',
   'home.moment.silent': 'No signal from the sensors',
   'home.moment.silent.text':
-    'Nothing arrives here at the moment. Check that the sensors and the device that came with them are switched on and near you. This page continues by itself.',
+    'Nothing arrives here at the moment. Check that the sensors and the box that came with them are switched on and near you. This page continues by itself.',
   'home.moment.lost': 'No connection',
   'home.moment.lost.text':
     'This page cannot reach your clinic and does not know whether your exercise is being stored. It tries again by itself.',
@@ -58,10 +58,10 @@ export const home = {
     'What you do now is not being stored. Pause your exercise and wait a minute. If this message stays, call your clinic.',
   'home.wear': 'One sensor on each of these places:',
   'home.switchOn': 'Switch on the sensors.',
-  'home.deviceOn': 'Switch on the device that came with them.',
+  'home.deviceOn': 'Switch on the box that came with them.',
   'home.helpTitle': 'Nothing happens?',
   'home.helpCharged': 'Are the sensors charged? A sensor that is empty shows no light.',
-  'home.helpNear': 'Is the device in the same room, switched on, and connected to the internet?',
+  'home.helpNear': 'Is the box in the same room, switched on, and connected to the internet?',
   'home.helpAsk': 'Wait one minute. If nothing has happened then, call your therapist.',
   'home.sensorLost': 'No signal from: {places}. Is it charged and switched on?',
   'home.sensorEmpty': 'The battery is nearly empty: {places}.',

@@ -201,7 +201,7 @@ export const patient = {
   'prescription.stops': 'Limits for this patient',
   'prescription.question': 'A question of yours (optional)',
   'prescription.questionHelp':
-    'Asked after each session besides pain and effort; the patient answers from 0 (no) to 10 (yes, very much).',
+    'Asked after each session besides pain and effort; the patient answers from 0 (not at all) to 10 (very much).',
   'prescription.stopsHelp': 'The exercise stops at once beyond them, besides what stops the template.',
   'prescription.band': 'Band {percent} % of the template’s',
   'prescription.limits': { one: '{count} limit of an angle', other: '{count} limits of angles' },
@@ -266,7 +266,6 @@ export const patient = {
   'mine.times': { one: 'Once', other: '{count} times' },
   'mine.walk': 'One walk',
   'mine.setsOf': '{sets} rounds, {repetitions} times each',
-  'mine.left': { one: 'One session left this week', other: '{count} sessions left this week' },
   'mine.doneForWeek': 'Done for this week',
   'mine.doneToday': 'Nothing more for today',
   'mine.onDays': 'Your days: {days}',

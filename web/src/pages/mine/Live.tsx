@@ -27,7 +27,7 @@ import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
 import { WearPicture } from '../../pictures/WearPicture';
 import { useCalibrating } from '../calibration/CalibrationPanel';
-import { sendRest } from '../../sensors/registry';
+import { measuringFor, sendRest } from '../../sensors/registry';
 import { After } from './exercise/After';
 import { Controls, Count, isGuided, NowLine } from './exercise/Doing';
 import { useHold } from './exercise/useHold';
@@ -77,6 +77,9 @@ function PutOn({ session }: { session: SessionDetail }) {
               ))}
             </ol>
           </div>
+          {session.placements.some((place) => /_(left|right)$/.test(place)) && (
+            <p className="muted small">{t('doing.facesYou')}</p>
+          )}
         </li>
         <li>{t('home.switchOn')}</li>
         <li>{t('home.deviceOn')}</li>
@@ -153,6 +156,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   // A service that says nothing of guidance takes no buttons either.
   const isDoing = guidance !== null && records && DOING.includes(moment);
   const isBad = BAD.includes(moment);
+  // What measures here says itself that nothing is lost; this page alone would not know.
+  const isStoredHere = moment === 'lost' && measuringFor(session.id) !== null;
   return (
     <div className={isDoing ? 'stack doing' : 'stack'}>
       {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
@@ -165,7 +170,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       )}
       {isDoing && !isBad ? (
         <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
-      ) : (
+      ) : isStoredHere ? null : (
         <section
           className={`card home-moment ${isBad ? 'home-moment-bad' : ''} ${GREEN.includes(moment) ? 'home-moment-green' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
         >
@@ -259,18 +264,16 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
           {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
-          <div className="doing-stage">
-            <Viewer3D
-              sessionId={session.id}
-              request={LIVE}
-              title={t('home.picture')}
-              near={kindOf(session).near}
-              onShown={setShown}
-              from={bestSeenFrom(movementOf(exercises.data, session.exercise_id))}
-              isPlain={isDoing}
-            />
-            {isDoing && isGuided(guidance) && <Count guidance={guidance} />}
-          </div>
+          {isDoing && isGuided(guidance) && <Count guidance={guidance} />}
+          <Viewer3D
+            sessionId={session.id}
+            request={LIVE}
+            title={t('home.picture')}
+            near={kindOf(session).near}
+            onShown={setShown}
+            from={bestSeenFrom(movementOf(exercises.data, session.exercise_id))}
+            isPlain
+          />
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
           {isDoing && <Controls guidance={guidance} hold={hold} />}
         </>

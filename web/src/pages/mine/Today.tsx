@@ -19,7 +19,7 @@ import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { kindFor } from '../../kinds';
 import { mainMeasure, plainProgress } from '../../lib/plain';
-import { isDoneForWeek, isOpenToday, scheduleText, weekText } from '../../lib/assessment/practice';
+import { isDoneForWeek, isOpenToday, scheduleText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
@@ -48,10 +48,6 @@ function minutesText(minutes: readonly number[]): string {
   return t('mine.about', { count: minutes.reduce((sum, one) => sum + one, 0) });
 }
 
-function sentenceCase(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
-}
-
 function ExerciseCard({ prescription, patientId }: { prescription: Prescription; patientId: string }) {
   const navigate = useNavigate();
   const patient = usePatient(patientId);
@@ -78,15 +74,20 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
       <div>
         <h2>{prescription.exercise_name}</h2>
         {exercise?.description && <p>{exercise.description}</p>}
-        {exercises.data && <p>{doseWords(prescription, isWalked)}</p>}
-        <p>{sentenceCase(minutesText([minutesOf(prescription, sessions.data ?? [])]))}</p>
-        <p className="small">{weekText(prescription)}</p>
+        {exercises.data && (
+          <p className="strong">
+            {doseWords(prescription, isWalked)}, {minutesText([minutesOf(prescription, sessions.data ?? [])])}
+          </p>
+        )}
         <p className="muted">
           {isDone
             ? isDoneForWeek(prescription)
               ? t('mine.doneForWeek')
               : t('mine.onDays', { days: scheduleText(prescription) })
-            : t('mine.left', { count: Math.max(1, prescription.times_per_week - prescription.done_this_week) })}
+            : t('practice.sessions', {
+                done: Math.min(prescription.done_this_week, prescription.times_per_week),
+                count: prescription.times_per_week,
+              })}
         </p>
       </div>
       <Button

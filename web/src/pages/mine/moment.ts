@@ -23,8 +23,10 @@ type Stored = Pick<SessionDetail, 'state' | 'pipeline' | 'recording_start_s' | '
 
 /** The state as the socket says it; as it was read where the socket has said nothing yet. */
 export function stateOf(snapshot: Pick<LiveSnapshot, 'state'>, session: Pick<Stored, 'state'>): SessionState {
-  // An analysis ends after the socket has said its last word.
-  return session.state === 'analysed' ? 'analysed' : (snapshot.state?.state ?? session.state);
+  // An analysis ends after the socket has said its last word; its result can be shown once it has been read.
+  if (session.state === 'analysed') return 'analysed';
+  const said = snapshot.state?.state ?? session.state;
+  return said === 'analysed' ? 'closing' : said;
 }
 
 /** Whether a recording runs, with or without a signal at this moment. */

@@ -179,13 +179,13 @@ function Schedule({
       <legend>{t('prescription.days')}</legend>
       <p className="muted small">{t('prescription.daysHelp')}</p>
       <Chip.Group multiple value={days} onChange={onDays}>
-        <Group gap={8}>
+        <div className="day-chips">
           {DAYS.map((one) => (
             <Chip key={one} value={String(one)} size="md" radius="md">
               {dayName(one, 'short')}
             </Chip>
           ))}
-        </Group>
+        </div>
       </Chip.Group>
       {days.length === 0 ? (
         <NumberInput

@@ -14,7 +14,7 @@ export function CourseWords({ patient, course }: { patient: Patient; course: Cou
   const write = useWriteCourseNote(patient.id);
   const note = course.note?.text ? course.note : null;
   return (
-    <section aria-labelledby="course-words">
+    <section aria-labelledby="course-words" className={note ? undefined : 'no-print'}>
       <h3 id="course-words">{t('course.words')}</h3>
       {draft === null ? (
         <>
@@ -26,7 +26,7 @@ export function CourseWords({ patient, course }: { patient: Patient; course: Cou
               </p>
             </>
           ) : (
-            <p className="no-print">{t('course.noWords')}</p>
+            <p>{t('course.noWords')}</p>
           )}
           {patient.may_treat && (
             <Button className="no-print" variant="default" size="sm" onClick={() => setDraft(note?.text ?? '')}>

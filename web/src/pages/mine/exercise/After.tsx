@@ -37,8 +37,8 @@ function Scale({
         ))}
       </div>
       <p className="after-ends">
-        <span>{t(`after.${name}.least`)}</span>
-        <span>{t(`after.${name}.most`)}</span>
+        <span>0: {t(`after.${name}.least`)}</span>
+        <span>10: {t(`after.${name}.most`)}</span>
       </p>
     </fieldset>
   );
@@ -68,7 +68,7 @@ export function After({ session, guidance }: { session: SessionDetail; guidance:
     return (
       <section className="card after-sent" role="status">
         <TrueWord session={session} guidance={guidance} />
-        <p>
+        <p className="after-thanks">
           <IconCheck size={24} aria-hidden /> {t('after.sent')}
         </p>
       </section>

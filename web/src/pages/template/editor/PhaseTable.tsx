@@ -42,7 +42,7 @@ export function PhaseTable({ curve, draft, selected, onSelect, onBand, onName, o
             onFocusCapture={() => onSelect(index)}
           >
             <TextInput
-              label={index === 0 ? t('design.name') : undefined}
+              label={t('design.name')}
               aria-label={t('design.nameOf', { number: index + 1 })}
               placeholder={phaseName(draft.phases, index)}
               maxLength={40}
@@ -59,7 +59,6 @@ export function PhaseTable({ curve, draft, selected, onSelect, onBand, onName, o
                 unit={curve.unit}
                 phase={phaseName(draft.phases, index)}
                 isDisabled={isPlain}
-                withLabel={index === 0}
                 edge={edge}
                 onFactor={(factor) => onBand(index, edge, factor)}
               />
@@ -101,7 +100,6 @@ function Limit({
   phase,
   edge,
   isDisabled,
-  withLabel,
   onFactor,
 }: {
   handle: Handle | undefined;
@@ -110,7 +108,6 @@ function Limit({
   phase: string;
   edge: Edge;
   isDisabled: boolean;
-  withLabel: boolean;
   onFactor: (factor: number | null) => void;
 }) {
   const shown = displayUnit(unit);
@@ -120,7 +117,7 @@ function Limit({
   return (
     <div className="limit">
       <NumberInput
-        label={withLabel ? t(edge === 'above' ? 'design.above' : 'design.below') : undefined}
+        label={t(edge === 'above' ? 'design.above' : 'design.below')}
         aria-label={t(edge === 'above' ? 'design.aboveOf' : 'design.belowOf', { phase, unit: unitWord })}
         suffix={shown.suffix}
         min={0}

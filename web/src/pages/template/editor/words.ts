@@ -1,6 +1,6 @@
 // What phases, cues and stops are called in a sentence.
 import type { CueDesign } from '../../../api/types';
-import { t } from '../../../i18n';
+import { t, withinSentence } from '../../../i18n';
 import { words } from '../../../i18n/sentence';
 import type { PhaseDraft } from '../../../lib/assessment/design';
 import { channelLabel } from '../../../lib/channels';
@@ -25,7 +25,7 @@ export function unitOf(channel: string): 'm' | 'rad' {
 
 /** When a cue is said, as a half sentence after “When”. */
 export function cueWhen(cue: CueDesign): string {
-  const curve = channelLabel(cue.channel ?? '').text;
+  const curve = withinSentence(channelLabel(cue.channel ?? '').text);
   if (cue.quantity === 'deviation' && cue.tolerance == null)
     return t(`design.when.band.${cue.side ?? 'both'}`, { curve });
   if (cue.quantity === 'deviation')
