@@ -105,7 +105,7 @@ class LiveStepTracker:
         nothing = (released.flags[rows] & FootFlag.INVALID) != 0
         anew = (released.flags[rows] & FootFlag.BEGINS_ANEW) != 0
         bits = np.asarray(released.is_stance[rows] + 2 * nothing + 8 * anew, dtype=np.uint8) | self._right
-        out = np.empty((released.tick_count, len(self._feet), 13))
+        out = np.empty((released.tick_count, len(self._feet), at.OUT))
         at.follow(
             self._settings,
             np.ascontiguousarray(released.q_world_sensor[rows]),
@@ -115,14 +115,14 @@ class LiveStepTracker:
             out,
         )
         return LiveSteps(
-            out[:, :, :3],
-            out[:, :, 3],
-            out[:, :, 4] > 0.0,
-            out[:, :, 5],
-            out[:, :, 6],
-            out[:, :, 7:11],
-            out[:, :, 11] > 0.0,
-            out[:, :, 12] > 0.0,
+            out[:, :, at.O_PLACE : at.O_PLACE + 3],
+            out[:, :, at.O_COURSE],
+            out[:, :, at.O_PLACED] > 0.0,
+            out[:, :, at.O_TOE_OUT],
+            out[:, :, at.O_LENGTH],
+            out[:, :, at.O_Q : at.O_Q + 4],
+            out[:, :, at.O_LOST] > 0.0,
+            out[:, :, at.O_JOINED] > 0.0,
         )
 
     def state(self) -> dict[str, NDArray[Any]]:

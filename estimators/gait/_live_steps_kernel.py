@@ -32,6 +32,8 @@ FOOT = ALONE + 1
     S_APART_M,
     SETTINGS,
 ) = range(10)
+# What is written of a tick and a foot.
+O_PLACE, O_COURSE, O_PLACED, O_TOE_OUT, O_LENGTH, O_Q, O_LOST, O_JOINED, OUT = 0, 3, 4, 5, 6, 7, 11, 12, 13
 
 
 @kernel("UniTuple(float64, 3)(float64[::1])")
@@ -214,7 +216,7 @@ def follow(
         1: the foot stands; 2: nothing is known of it; 4: a right foot; 8: it begins anew after a long gap.
     feet : ndarray, shape (F, FOOT)
         Memory, changed.
-    out : ndarray, shape (K, F, 13)
+    out : ndarray, shape (K, F, OUT)
         Place in the room (3), course, whether the foot is placed, toe-out and stride length, the sensor's
         orientation in the room (4), whether the place is lost, and whether a foot was put beside the other just now.
     """
@@ -222,7 +224,8 @@ def follow(
     for k in range(count):
         for f in range(feet_count):
             m, q, p = feet[f], q_world_sensor[f, k], position_m[f, k]
-            out[k, f, 5], out[k, f, 6], out[k, f, 12] = np.nan, np.nan, 0.0
+            row = out[k, f]
+            row[O_TOE_OUT], row[O_LENGTH], row[O_JOINED] = np.nan, np.nan, 0.0
             if bits[f, k] & 8:
                 _begin_anew(m, p)
             if not bits[f, k] & 2:
@@ -255,16 +258,16 @@ def follow(
                 other = 1 - f if feet_count == 2 else -1
                 was_alone = m[ALONE]
                 _new_foothold(settings, m, feet, other, -1.0 if bits[f, k] & 4 else 1.0)
-                out[k, f, 12] = was_alone - m[ALONE]
-            _placed(m, p[0], p[1], p[2], out[k, f, :3])
+                row[O_JOINED] = was_alone - m[ALONE]
+            _placed(m, p[0], p[1], p[2], row[O_PLACE : O_PLACE + 3])
             is_alone = feet_count == 2 and m[ALONE] > 0.0
-            out[k, f, 3], out[k, f, 4] = m[COURSE], 0.0 if is_alone else m[PLACED]
-            out[k, f, 11] = m[LOST]
+            row[O_COURSE], row[O_PLACED] = m[COURSE], 0.0 if is_alone else m[PLACED]
+            row[O_LOST] = m[LOST]
             half = -0.5 * m[COURSE]
             turned = multiply(math.cos(half), 0.0, 0.0, math.sin(half), q[0], q[1], q[2], q[3])
-            out[k, f, 7], out[k, f, 8], out[k, f, 9], out[k, f, 10] = turned
+            row[O_Q], row[O_Q + 1], row[O_Q + 2], row[O_Q + 3] = turned
             if m[COUNT] > 1.0:
-                out[k, f, 5], out[k, f, 6] = m[TOE_OUT], m[LENGTH]
+                row[O_TOE_OUT], row[O_LENGTH] = m[TOE_OUT], m[LENGTH]
 
 
-__all__ = ["FOOT", "SETTINGS", "WINDOW", "follow"]
+__all__ = ["FOOT", "OUT", "SETTINGS", "WINDOW", "follow"]

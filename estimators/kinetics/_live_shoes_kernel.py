@@ -10,7 +10,7 @@ from estimators.recording import Float
 
 MEASURED, UNTARED, MISSING, IMPLAUSIBLE = 0, 1, 2, 3
 """What is to be said of a shoe's forces at a sample."""
-LOADS = 12
+HEEL_FORCE, HEEL_MOMENT, FOREFOOT_FORCE, FOREFOOT_MOMENT, LOADS = 0, 3, 6, 9, 12
 """Force and moment of the heel cell, then of the forefoot cell."""
 # One shoe's memory.
 TARED, SWINGING, COUNTED, PEAK, LAST_PEAK, TWIST, HEEL_ON, FOREFOOT_ON = range(8)
@@ -48,7 +48,7 @@ def _follow_swing(settings: Float, m: Float, load: Float, speed: float) -> None:
         is_quiet = m[COUNTED] * settings[S_STEP] >= _SHORTEST_SWING_S
         for cell in range(2):
             for i in range(3):
-                at = 6 * cell + i
+                at = FOREFOOT_FORCE * cell + i
                 is_quiet = is_quiet and m[SWING_MOST + at] - m[SWING_LEAST + at] < _QUIET_N
         if is_quiet:
             for i in range(LOADS):
@@ -126,6 +126,8 @@ def shoes_live(
         Vertical load that both cells of a shoe show in the air, as far as known.
     """
     force, moment, tared = np.empty(3), np.empty(3), np.empty(LOADS)
+    heel, heel_moment = tared[HEEL_FORCE:HEEL_MOMENT], tared[HEEL_MOMENT:FOREFOOT_FORCE]
+    forefoot, forefoot_moment = tared[FOREFOOT_FORCE:FOREFOOT_MOMENT], tared[FOREFOOT_MOMENT:]
     for k in range(speed_mps.shape[1]):
         for s in range(2):
             m, load = shoes[s], loads[s, k]
@@ -133,7 +135,7 @@ def shoes_live(
             result[:] = np.nan
             corners[s, k] = np.nan
             result[HEEL], result[FOREFOOT] = 0.0, 0.0
-            zero_n[s, k] = m[ZERO + 2] + m[ZERO + 8]
+            zero_n[s, k] = m[ZERO + HEEL_FORCE + 2] + m[ZERO + FOREFOOT_FORCE + 2]
             measured, largest = True, 0.0
             for i in range(LOADS):
                 measured = measured and not math.isnan(load[i])
@@ -153,8 +155,8 @@ def shoes_live(
             half = -0.5 * course_rad[s, k]
             hw, hx, hy, hz = multiply(math.cos(half), 0.0, 0.0, math.sin(half), q[0], q[1], q[2], q[3])
             fw, fx, fy, fz = multiply(math.cos(half), 0.0, 0.0, math.sin(half), g[0], g[1], g[2], g[3])
-            heel_up = rotate(hw, hx, hy, hz, tared[0], tared[1], tared[2])[2]
-            ball_up = rotate(fw, fx, fy, fz, tared[6], tared[7], tared[8])[2]
+            heel_up = rotate(hw, hx, hy, hz, heel[0], heel[1], heel[2])[2]
+            ball_up = rotate(fw, fx, fy, fz, forefoot[0], forefoot[1], forefoot[2])[2]
             if bits[s, k] & 1:
                 m[FLOOR] = heel_m[s, k, 2] - settings[S_SENSOR_HEIGHT]
                 m[HAS_FLOOR] = 1.0
@@ -173,11 +175,11 @@ def shoes_live(
             for cell in range(2):
                 px, py, pz = heel_m[s, k, 0], heel_m[s, k, 1], heel_m[s, k, 2]
                 if cell == 0:
-                    a = rotate(hw, hx, hy, hz, tared[0], tared[1], tared[2])
-                    b = rotate(hw, hx, hy, hz, tared[3], tared[4], tared[5])
+                    a = rotate(hw, hx, hy, hz, heel[0], heel[1], heel[2])
+                    b = rotate(hw, hx, hy, hz, heel_moment[0], heel_moment[1], heel_moment[2])
                 else:
-                    a = rotate(fw, fx, fy, fz, tared[6], tared[7], tared[8])
-                    b = rotate(fw, fx, fy, fz, tared[9], tared[10], tared[11])
+                    a = rotate(fw, fx, fy, fz, forefoot[0], forefoot[1], forefoot[2])
+                    b = rotate(fw, fx, fy, fz, forefoot_moment[0], forefoot_moment[1], forefoot_moment[2])
                     px, py, pz = px + hinge[0] + ahead[0], py + hinge[1] + ahead[1], pz + hinge[2] + ahead[2]
                 pz -= floor
                 force[0] += a[0]

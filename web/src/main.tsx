@@ -20,7 +20,7 @@ import { RouterProvider } from 'react-router';
 import { ApiError } from './api/client';
 import { keys } from './api/queries';
 import { router } from './App';
-import { isNotFetched } from './lib/pieces';
+import { isNotFetched } from './lib/browser/pieces';
 import { theme } from './theme';
 
 const queryClient = new QueryClient({

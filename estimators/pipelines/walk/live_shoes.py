@@ -94,8 +94,13 @@ class LiveShoes:
         """
         new = np.full((2, ticks, shoe.LOADS), np.nan)
         if force_n is not None and moment_nm is not None:
-            new[:, :, 0:3], new[:, :, 3:6] = force_n[_HEELS], moment_nm[_HEELS]
-            new[:, :, 6:9], new[:, :, 9:12] = force_n[_FOREFEET], moment_nm[_FOREFEET]
+            for first, load, cells in (
+                (shoe.HEEL_FORCE, force_n, _HEELS),
+                (shoe.HEEL_MOMENT, moment_nm, _HEELS),
+                (shoe.FOREFOOT_FORCE, force_n, _FOREFEET),
+                (shoe.FOREFOOT_MOMENT, moment_nm, _FOREFEET),
+            ):
+                new[:, :, first : first + 3] = load[cells]
         self._loads = np.concatenate([self._loads, new], axis=1)
 
     def release(self, feet: FootChunk, steps: LiveSteps, speed_mps: Float) -> tuple[list[Float], Float]:
@@ -145,7 +150,9 @@ class LiveShoes:
             out,
             corners,
             np.ascontiguousarray(usable, dtype=np.uint8),
-            np.ascontiguousarray(self._loads[:, :, 2] + self._loads[:, :, 8]),
+            np.ascontiguousarray(
+                self._loads[:, :, shoe.HEEL_FORCE + 2] + self._loads[:, :, shoe.FOREFOOT_FORCE + 2]
+            ),
             zero,
             self._memory,
             self._x,

@@ -1,6 +1,6 @@
 // One way to the service: JSON in, JSON out with its words in the reader's language, errors as `ApiError`.
 import { inOurWords } from '../i18n/sentence';
-import { idleSeconds } from '../lib/idle';
+import { idleSeconds } from '../lib/browser/idle';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {

@@ -4,7 +4,7 @@ import { useEffect, useState } from 'react';
 import { useRouteError } from 'react-router';
 import { Empty } from '../components/Feedback';
 import { t } from '../i18n';
-import { isNotFetched, isServiceThere } from '../lib/pieces';
+import { isNotFetched, isServiceThere } from '../lib/browser/pieces';
 
 const AGAIN_MS = 3000;
 

@@ -1,7 +1,7 @@
 import { render, screen } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { expect, it, vi } from 'vitest';
-import { useKeys } from '../../src/lib/keys';
+import { useKeys } from '../../src/lib/browser/keys';
 
 function Page({ play }: { play: () => void }) {
   useKeys({ ' ': play });

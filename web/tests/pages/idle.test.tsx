@@ -3,7 +3,7 @@ import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { IdleWatch } from '../../src/components/account/IdleWatch';
-import { idleSeconds } from '../../src/lib/idle';
+import { idleSeconds } from '../../src/lib/browser/idle';
 
 const asked: string[] = [];
 

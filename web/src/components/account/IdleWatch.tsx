@@ -5,7 +5,7 @@ import { useNavigate } from 'react-router';
 import { api } from '../../api/client';
 import { forgetEverything } from '../../api/queries';
 import { t } from '../../i18n';
-import { idleSeconds, listenForUse } from '../../lib/idle';
+import { idleSeconds, listenForUse } from '../../lib/browser/idle';
 
 const LOOK_EVERY_MS = 5000;
 const WARN_S = 120;

@@ -9,7 +9,7 @@ import {
 import { useState } from 'react';
 import type { GuidanceMessage } from '../../../api/types';
 import { t } from '../../../i18n';
-import { useKeys } from '../../../lib/keys';
+import { useKeys } from '../../../lib/browser/keys';
 import type { Hold } from './useHold';
 import { canSpeak, keepVoice, useVoice, wantsVoice } from './voice';
 

@@ -28,7 +28,7 @@ import { massChannels } from '../../../lib/assessment/massCentre';
 import { templateOver } from '../../../lib/assessment/overlay';
 import { fullName, patientCrumbs } from '../../../lib/people';
 import { isLive, sessionTitle } from '../../../lib/sessions';
-import { useKeys } from '../../../lib/keys';
+import { useKeys } from '../../../lib/browser/keys';
 import { templatePhaseAt, timeAtTemplatePhase } from '../../../lib/assessment/warp';
 import { useReplayPlayer, useSnapshot } from '../../../player/hooks';
 import type { ReplayPlayer } from '../../../player/replay';
