@@ -16,7 +16,10 @@ function packed(): Plugin {
     enforce: 'post',
     async closeBundle() {
       const names = await readdir('dist', { recursive: true, withFileTypes: true });
-      for (const one of names.filter((entry) => entry.isFile() && /\.(js|css|html|svg|json)$/.test(entry.name))) {
+      for (const one of names.filter(
+        (entry) =>
+          entry.isFile() && !entry.parentPath.includes('.vite') && /\.(js|css|html|svg|json)$/.test(entry.name),
+      )) {
         const path = join(one.parentPath, one.name);
         const content = await readFile(path);
         if (content.length < 1000) continue;
@@ -36,6 +39,8 @@ export default defineConfig({
     // The content security policy allows files of our own origin only: nothing may be inlined as data.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    // Which files each page loads; the budget of script is counted with it.
+    manifest: true,
     target: 'es2022',
     chunkSizeWarningLimit: 400,
     rollupOptions: { output: { manualChunks: (id) => LIBRARIES.find(([, pattern]) => pattern.test(id))?.[0] } },

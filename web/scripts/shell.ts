@@ -4,7 +4,7 @@ import { readFile } from 'node:fs/promises';
 import type { Plugin, Rollup } from 'vite';
 
 /** Pages that are wanted where there is no link; others are fetched when they are opened. */
-const WANTED = /\/src\/(pages\/mine|sensors)\//;
+const WANTED = /\/src\/(pages\/mine|sensors)\/|\/ConfirmDialog\.tsx$/;
 const WANTED_ASSETS = /\.css$|worker.*\.js$|latin-wght-normal.*\.woff2$/;
 const ALWAYS = ['/', '/mark.svg', '/manifest.webmanifest'];
 

@@ -1,10 +1,12 @@
 // Sentences of the service are said by the client with the same words and formats as by the service.
-import { describe, expect, it } from 'vitest';
+import { afterEach, describe, expect, it } from 'vitest';
 import formats from '../../tests/data/sentence_formats.json';
 import english from '../src/i18n/en/sentences.json';
-import { inOurWords, said, words, type Sentences } from '../src/i18n/sentence';
+import { wordsOf } from '../src/i18n/codes';
+import { inOurWords, said, speak, words, type Sentences } from '../src/i18n/sentence';
 
 const catalogue = english as Sentences;
+afterEach(() => speak('en', {}));
 
 describe('sentences of the service', () => {
   it.each(formats as [string, unknown, string][])('writes %s with %j as %s', (entry, x, expected) => {
@@ -23,6 +25,7 @@ describe('sentences of the service', () => {
   });
 
   it('puts its own words into answers, however deep', () => {
+    speak('en', catalogue);
     const sentence = { code: 'side.left', params: {}, text: 'LEFT' };
     const answer = inOurWords({
       rows: [{ text: 'LEFT', note: 'kept', sentences: { text: sentence } }],
@@ -31,6 +34,13 @@ describe('sentences of the service', () => {
     });
     expect(answer.rows[0]).toMatchObject({ text: 'Left', note: 'kept' });
     expect(answer.reasons).toEqual(['Left', 'plain']);
+  });
+
+  it('leaves answers in the words of the service while it was given none of its own', () => {
+    const sentence = { code: 'side.left', params: {}, text: 'LEFT' };
+    expect(inOurWords({ text: 'LEFT', sentences: { text: sentence } }).text).toBe('LEFT');
+    expect(wordsOf('side.left')).toBe('Left');
+    expect(wordsOf('no.such')).toBe('no.such');
   });
 
   it.each(Object.entries(english as Record<string, string | { one: string; other: string }>))(

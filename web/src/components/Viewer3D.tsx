@@ -1,8 +1,8 @@
 // The 3D view: a page of the service in a frame, opened for this person and closed with the page.
-import { ActionIcon, Button, SegmentedControl, Skeleton, useComputedColorScheme } from '@mantine/core';
-import { IconPlugConnectedX, IconRotate, IconRotateClockwise, IconZoomIn, IconZoomOut } from '@tabler/icons-react';
+import { Button, Skeleton, useComputedColorScheme } from '@mantine/core';
+import { IconPlugConnectedX } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
-import { useEffect, useRef, useState, useSyncExternalStore } from 'react';
+import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { api } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
 import { t } from '../i18n';
@@ -11,6 +11,9 @@ import { passKeysOn } from '../lib/browser/keys';
 import type { Player } from '../player/types';
 import { ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
+
+// A patient who exercises does not turn the picture: her page loads no buttons for it.
+const CameraBar = lazy(() => import('./CameraBar'));
 
 export interface Viewer3DProps {
   sessionId: string;
@@ -31,47 +34,8 @@ export interface Viewer3DProps {
 
 export type Near = 'arm' | 'feet' | 'marker' | 'modules';
 export type Preset = NonNullable<CameraCommand['preset']>;
-const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
-const TURN_DEG = 20;
-const ZOOM = 1.25;
 const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null };
 const never = () => () => undefined;
-
-/** Everything that dragging does, as buttons. */
-function CameraBar({ link, near }: { link: ViewLink | null; near: Near }) {
-  const [preset, setPreset] = useState<Preset | ''>('');
-  const move = (command: Parameters<ViewLink['camera']>[0]) => {
-    setPreset('');
-    link?.camera(command);
-  };
-  const buttons = [
-    { label: t('camera.left'), Icon: IconRotate, command: { turn_deg: -TURN_DEG } },
-    { label: t('camera.right'), Icon: IconRotateClockwise, command: { turn_deg: TURN_DEG } },
-    { label: t('camera.nearer'), Icon: IconZoomIn, command: { zoom: ZOOM } },
-    { label: t('camera.further'), Icon: IconZoomOut, command: { zoom: 1 / ZOOM } },
-  ];
-  return (
-    <div className="camera-bar" role="group" aria-label={t('camera.title')}>
-      <SegmentedControl
-        size="sm"
-        aria-label={t('camera.from')}
-        value={preset}
-        onChange={(value) => {
-          setPreset(value as Preset);
-          link?.camera({ preset: value as Preset });
-        }}
-        data={PRESETS.map((value) => ({ value, label: t(`camera.${value === 'arm' ? near : value}`) }))}
-      />
-      <span className="camera-buttons">
-        {buttons.map(({ label, Icon, command }) => (
-          <ActionIcon key={label} size={36} color="gray" aria-label={label} title={label} onClick={() => move(command)}>
-            <Icon size={20} aria-hidden />
-          </ActionIcon>
-        ))}
-      </span>
-    </div>
-  );
-}
 
 export function Viewer3D({
   sessionId,
@@ -175,7 +139,11 @@ export function Viewer3D({
           </div>
         )}
       </div>
-      {!isPlain && <CameraBar link={link} near={near} />}
+      {!isPlain && (
+        <Suspense fallback={<div className="camera-bar" />}>
+          <CameraBar link={link} near={near} />
+        </Suspense>
+      )}
     </div>
   );
 }

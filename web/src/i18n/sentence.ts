@@ -1,7 +1,7 @@
 // Sentences of the service in the language of the reader: code and parameters from the service, words from a catalogue that
-// `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`.
+// `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`. The service itself
+// writes English: no page loads that catalogue to read what it was sent, only those that know a code and no text (`codes.ts`).
 import { currentLanguage, formatLocale, withinSentence } from './index';
-import english from './en/sentences.json';
 
 /** What a text of the service says, for saying it again. */
 export interface Sentence {
@@ -12,7 +12,12 @@ export interface Sentence {
 type Entry = string | { one: string; other: string };
 export type Sentences = Record<string, Entry | undefined>;
 
-const catalogues: Record<string, Sentences> = { en: english as Sentences };
+const catalogues: Record<string, Sentences> = {};
+
+/** From now on sentences in this language are said with these words. */
+export function speak(language: string, sentences: Sentences): void {
+  catalogues[language] = sentences;
+}
 
 const UNITS: Record<string, { factor: number; suffix: string; digits: number } | undefined> = {
   number: { factor: 1, suffix: '', digits: 0 },
@@ -95,7 +100,7 @@ export function said(sentence: Sentence, words: Sentences): string | null {
 /** The service's text in the reader's language; as the service wrote it where nothing is known of it. */
 export function words(text: string, sentence: Sentence | null | undefined): string {
   if (!sentence) return text;
-  return said(sentence, catalogues[currentLanguage()] ?? {}) ?? said(sentence, catalogues.en ?? {}) ?? text;
+  return said(sentence, catalogues[currentLanguage()] ?? {}) ?? text;
 }
 
 const isObject = (value: unknown): value is Record<string, unknown> =>

@@ -1,6 +1,7 @@
-import { Button, Group, Modal } from '@mantine/core';
-import { useDisclosure } from '@mantine/hooks';
-import { t } from '../../i18n';
+import { Button } from '@mantine/core';
+import { lazy, Suspense, useState } from 'react';
+
+const ConfirmDialog = lazy(() => import('./ConfirmDialog'));
 
 /** A small button whose deed cannot be undone: it asks first and says what will happen. */
 export function Confirm({
@@ -18,34 +19,30 @@ export function Confirm({
   confirm: string;
   onConfirm: () => void;
 }) {
-  const [isOpen, dialog] = useDisclosure(false);
+  const [isOpen, setOpen] = useState<boolean | null>(null);
   return (
     <>
-      <Button variant="subtle" color="gray" size="compact-md" aria-label={accessibleLabel} onClick={dialog.open}>
+      <Button
+        variant="subtle"
+        color="gray"
+        size="compact-md"
+        aria-label={accessibleLabel}
+        onClick={() => setOpen(true)}
+      >
         {label}
       </Button>
-      <Modal
-        opened={isOpen}
-        onClose={dialog.close}
-        title={title}
-        closeButtonProps={{ 'aria-label': t('action.close') }}
-      >
-        <p>{text}</p>
-        <Group justify="flex-end" mt="lg">
-          <Button variant="default" onClick={dialog.close} data-autofocus>
-            {t('action.cancel')}
-          </Button>
-          <Button
-            color="red.8"
-            onClick={() => {
-              dialog.close();
-              onConfirm();
-            }}
-          >
-            {confirm}
-          </Button>
-        </Group>
-      </Modal>
+      {isOpen !== null && (
+        <Suspense fallback={null}>
+          <ConfirmDialog
+            isOpen={isOpen}
+            title={title}
+            text={text}
+            confirm={confirm}
+            onConfirm={onConfirm}
+            onClose={() => setOpen(false)}
+          />
+        </Suspense>
+      )}
     </>
   );
 }

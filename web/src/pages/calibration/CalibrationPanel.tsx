@@ -1,7 +1,5 @@
 // The guided calibration beside the live view: choose, follow the steps, read what came of it.
-import { useMutation } from '@tanstack/react-query';
 import { useState } from 'react';
-import { api } from '../../api/client';
 import { useCalibrations } from '../../api/queries';
 import type { CalibrationIn, CalibrationMessage, Placement } from '../../api/types';
 import { Problem } from '../../components/Feedback';
@@ -10,6 +8,7 @@ import { isRunning } from '../../lib/calibration';
 import { CalibrationChoice } from './CalibrationChoice';
 import { CalibrationResult } from './CalibrationResult';
 import { RunningCalibration } from './RunningCalibration';
+import { useCalibrating } from './useCalibrating';
 
 export interface CalibrationPanelProps {
   sessionId: string;
@@ -24,17 +23,6 @@ export interface CalibrationPanelProps {
   /** How the sensors sit is remembered from an earlier session; only the directions are missing. */
   isRemembered?: boolean;
   onClose: () => void;
-}
-
-/** Begin, go on with and cancel a guided calibration of a session. */
-export function useCalibrating(sessionId: string) {
-  const path = `/api/sessions/${sessionId}/calibration`;
-  const start = useMutation({
-    mutationFn: (wanted: CalibrationIn) => api.post<CalibrationMessage>(`${path}/start`, wanted),
-  });
-  const next = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/next`) });
-  const cancel = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/cancel`) });
-  return { start, next, cancel, error: start.error ?? next.error ?? cancel.error };
 }
 
 export function CalibrationPanel({

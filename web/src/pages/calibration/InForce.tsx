@@ -5,7 +5,7 @@ import { Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
 import { wornLimbs } from '../../lib/calibration';
 import { scoreText } from '../session/live/Calibration';
-import { useCalibrating } from './CalibrationPanel';
+import { useCalibrating } from './useCalibrating';
 
 export function InForce({
   sessionId,

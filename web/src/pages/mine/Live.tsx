@@ -26,7 +26,7 @@ import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
 import { WearPicture } from '../../pictures/WearPicture';
-import { useCalibrating } from '../calibration/CalibrationPanel';
+import { useCalibrating } from '../calibration/useCalibrating';
 import { measuringFor, sendRest } from '../../sensors/registry';
 import { After } from './exercise/After';
 import { Controls, Count, isGuided, NowLine } from './exercise/Doing';

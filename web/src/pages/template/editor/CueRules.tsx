@@ -4,7 +4,7 @@ import { IconPlus, IconTrash } from '@tabler/icons-react';
 import { useState } from 'react';
 import type { CueDesign, PhaseCurve } from '../../../api/types';
 import { t } from '../../../i18n';
-import { words as inWords } from '../../../i18n/sentence';
+import { wordsOf } from '../../../i18n/codes';
 import { stretches, type Draft } from '../../../lib/assessment/design';
 import { number } from '../../../lib/format';
 import { cueSays, cueWhen, phaseName, unitOf } from './words';
@@ -47,7 +47,7 @@ export function CueRules({ draft, curves, onChange }: Props) {
               aria-label={t('design.wordsOf', { what: cueWhen(one) })}
               maxLength={120}
               value={one.words ?? ''}
-              placeholder={inWords('', { code: one.sentence })}
+              placeholder={wordsOf(one.sentence)}
               onChange={(event) => set(index, { words: event.currentTarget.value })}
             />
             <Tolerance cue={one} onChange={(tolerance) => set(index, { tolerance })} />

@@ -1,7 +1,7 @@
 // What phases, cues and stops are called in a sentence.
 import type { CueDesign } from '../../../api/types';
 import { t, withinSentence } from '../../../i18n';
-import { words } from '../../../i18n/sentence';
+import { wordsOf } from '../../../i18n/codes';
 import type { PhaseDraft } from '../../../lib/assessment/design';
 import { channelLabel } from '../../../lib/channels';
 import { number, quantity } from '../../../lib/format';
@@ -15,7 +15,7 @@ export function phaseName(phases: readonly PhaseDraft[], index: number): string 
 
 /** What a cue says to the patient. */
 export function cueSays(cue: CueDesign): string {
-  return cue.words?.trim() || words(cue.sentence, { code: cue.sentence });
+  return cue.words?.trim() || wordsOf(cue.sentence);
 }
 
 /** The unit of a curve by its name. */

@@ -1,0 +1,9 @@
+// Sentences of the service by their code alone, for pages that name one before the service has said it. Large: kept out of what
+// the patient's pages load.
+import english from './en/sentences.json';
+import { said, words, type Sentences } from './sentence';
+
+/** What is said by a code without parameters; the code itself where nothing is known of it. */
+export function wordsOf(code: string): string {
+  return words(said({ code }, english as Sentences) ?? code, { code });
+}
