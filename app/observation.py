@@ -152,7 +152,7 @@ async def _watch(live: Any, latency: Histogram, lag: Histogram) -> None:
         for value in live.admission.take_lags():
             lag.observe(value)
         for session in live.sessions:
-            for value in session.health.take_latencies():
+            for value in session.now.health.take_latencies():
                 latency.observe(value)
 
 

@@ -1,7 +1,7 @@
 """`/ws/ingest`: a gateway's connection, from its hello to its goodbye.
 
 The first message is a JSON hello with a one-use ticket; then binary packets, or JSON packets at low rate. The
-server acknowledges about five times a second what is durably stored, and says what is missing. A wrong
+server acknowledges a few times a second what is durably stored, and says what is missing. A wrong
 message is answered with a typed error and the connection lives on; only a sender that gets nothing right is
 turned away. What a live session is, this module does not know: it talks to a `PacketSink`.
 """
@@ -92,6 +92,10 @@ class Intake(Protocol):
         """Whether the session takes packets."""
 
     @property
+    def taken(self) -> int:
+        """How many of its packets were taken together with others'."""
+
+    @property
     def is_finished(self) -> bool:
         """Whether the session is closed and all of it is stored."""
 
@@ -166,8 +170,10 @@ class IngestConnection:
         self._error_second = 0
         self._errors_sent = 0
         self._wrong_in_a_row = 0
+        self._taken_before = 0
         self._socket = lean_socket(websocket)
         self._intake: Intake | None = None
+        self._lane: Any = None
         self._held: deque[tuple[bytes, float, int]] = deque()
         """Packets of the short way that the session cannot take yet."""
 
@@ -184,7 +190,8 @@ class IngestConnection:
         try:
             await self._send(intake.acknowledge())
             if self._socket is not None:
-                self._intake, self._step_s = intake, intake.declaration.time_step_s
+                self._intake, self._lane = intake, intake.lane
+                self._step_s = intake.declaration.time_step_s
                 self._socket.attach(self)
             await self._converse(intake)
         finally:
@@ -197,7 +204,7 @@ class IngestConnection:
     @property
     def lane(self) -> Any:
         """The session's place among those whose packets are taken together."""
-        return None if self._intake is None or self._held else self._intake.lane
+        return None if self._held else self._lane
 
     def received(self, buffer: bytes, start: int, length: int, key: int) -> None:
         """Take a binary message; implements `BinaryReader`."""
@@ -210,14 +217,9 @@ class IngestConnection:
             ticks = (buffer[start + _TICKS_AT] ^ (key >> 8)) & 0xFF
         arrival_s = time.monotonic()
         intake.pooled.offer(self, memoryview(buffer)[start : start + length], key, arrival_s, time.time_ns())
-        wait_s = self._pace.take(ticks * self._step_s)
+        wait_s = self._pace.take(ticks * self._step_s, arrival_s)
         if wait_s > 0.0 and self._socket is not None:
             self._socket.slow_down(wait_s)
-
-    def was_right(self) -> None:
-        """Count a packet that was taken together with others."""
-        metrics.packets += 1
-        self._wrong_in_a_row = 0
 
     def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int, size: int | None = None) -> None:
         """Take a packet of the short way by itself, behind those that wait; `size` stands for data that is too long."""
@@ -233,7 +235,8 @@ class IngestConnection:
             packet = self._decode(data, intake)
             if not intake.receive(packet, arrival_s, arrival_ns):
                 metrics.duplicates += 1
-            self.was_right()
+            metrics.packets += 1
+            self._wrong_in_a_row = 0
         except TelemotionError as error:
             if _is_behind(error) and self._socket is not None:
                 self._held.append((data, arrival_s, arrival_ns))
@@ -316,7 +319,7 @@ class IngestConnection:
                     # Reported by the closing acknowledgement.
                     continue
                 await self._wrong(error)
-            wait_s = self._pace.take(ticks * intake.declaration.time_step_s)
+            wait_s = self._pace.take(ticks * intake.declaration.time_step_s, arrival_s)
             if wait_s > 0.0:
                 await asyncio.sleep(wait_s)
             if time.monotonic() - turn_s > TURN_S:
@@ -369,7 +372,8 @@ class IngestConnection:
         checked_s = sent_s - random.uniform(0.0, self._sink.check_every_s)  # noqa: S311
         while True:
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(intake.ended.wait(), ACKNOWLEDGE_EVERY_S)
+                async with asyncio.timeout(ACKNOWLEDGE_EVERY_S):
+                    await intake.ended.wait()
             if intake.ended.is_set():
                 raise intake.end_error
             now = time.monotonic()
@@ -395,6 +399,9 @@ class IngestConnection:
     def _counted(self, error: TelemotionError) -> ErrorMessage | None:
         """Count a wrong message and return the answer to it, unless there were many within this second."""
         metrics.errors += 1
+        taken = 0 if self._intake is None else self._intake.taken
+        if taken != self._taken_before:
+            self._taken_before, self._wrong_in_a_row = taken, 0
         self._wrong_in_a_row += 1
         second = int(time.monotonic())
         if second != self._error_second:
@@ -411,6 +418,8 @@ class IngestConnection:
         await self._send_text(message.model_dump_json())
 
     async def _send_text(self, text: str) -> None:
+        if self._socket is not None and self._socket.send_text_now(text):
+            return
         async with self._sending:
             if self._websocket.application_state is WebSocketState.CONNECTED:
                 await self._websocket.send_text(text)

@@ -23,7 +23,7 @@ MOST_BUSY: Final = 0.85
 """Share of a processor: queues grow without end at 1, and long before that in bursts."""
 LATE_S: Final = 0.25
 """Where half of the turns come later, something else uses the machine up."""
-USUAL_COST: Final = 0.0045
+USUAL_COST: Final = 0.0032
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
 LEAST_COST: Final = 0.0015
 MOST_COST: Final = 0.012

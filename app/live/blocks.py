@@ -5,6 +5,7 @@ import time
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.live.messages import LayoutMessage
 from app.recordings.schemas import FrameLayoutOut
@@ -13,6 +14,27 @@ from estimators.pipelines._contract import FrameLayout, Frames
 MAGIC: Final = b"TMF1"
 _HEADER: Final = struct.Struct("<4sIIIddd")
 HEADER_BYTES: Final = _HEADER.size
+_FRAME_HEAD: Final = 4
+"""Bytes before a message of 126 to 65535 bytes, as a server sends it whole (RFC 6455, 5.2)."""
+_HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "u1"),
+        ("size", ">u2"),
+        ("magic", "S4"),
+        ("ticks", "<u4"),
+        ("columns", "<u4"),
+        ("first_tick", "<u4"),
+        ("time_s", "<f8"),
+        ("time_step_s", "<f8"),
+        ("published_at_s", "<f8"),
+    ]
+)
+HEAD_WORDS: Final = _HEAD.itemsize // 4
+"""Of a block's head with that of its frame."""
+_LONGEST: Final = 0xFFFF
+_WHOLE_BINARY, _MEDIUM, _LONG = 0x82, 126, 127
+_FRAME_HEADS: Final = {_MEDIUM: _FRAME_HEAD, _LONG: 10}
 
 
 class PublishedBlock:
@@ -20,12 +42,20 @@ class PublishedBlock:
 
     Parameters
     ----------
-    block : bytes
+    written : bytes
+        The block, behind the head of `block_heads`.
     """
 
-    def __init__(self, block: bytes) -> None:
-        self.block = block
-        self.frame = server_frame_head(len(block)) + block
+    def __init__(self, written: bytes) -> None:
+        size = len(written) - _FRAME_HEAD
+        if not _MEDIUM <= size <= _LONGEST:
+            written = server_frame_head(size) + written[_FRAME_HEAD:]
+        self.frame = written
+
+    @property
+    def block(self) -> bytes:
+        """The block by itself."""
+        return self.frame[_FRAME_HEADS.get(self.frame[1], 2) :]
 
 
 class PublishedFrames:
@@ -61,11 +91,11 @@ class PublishedFrames:
 
 def server_frame_head(size: int) -> bytes:
     """Return what stands before a binary message of `size` bytes that a server sends whole (RFC 6455, 5.2)."""
-    if size < 126:
-        return bytes((0x82, size))
-    if size < 1 << 16:
-        return b"\x82\x7e" + size.to_bytes(2, "big")
-    return b"\x82\x7f" + size.to_bytes(8, "big")
+    if size < _MEDIUM:
+        return bytes((_WHOLE_BINARY, size))
+    if size <= _LONGEST:
+        return bytes((_WHOLE_BINARY, _MEDIUM)) + size.to_bytes(2, "big")
+    return bytes((_WHOLE_BINARY, _LONG)) + size.to_bytes(8, "big")
 
 
 def block_header(
@@ -75,6 +105,32 @@ def block_header(
     return _HEADER.pack(
         MAGIC, ticks, columns, first_tick % 2**32, first_tick * time_step_s, time_step_s, published_at_s
     )
+
+
+def block_heads(
+    ticks: NDArray[np.int64],
+    columns: int,
+    first_ticks: NDArray[np.int64],
+    time_step_s: float,
+    published_at_s: float,
+) -> NDArray[np.uint32]:
+    """Return the headers of many blocks, each behind the head of its frame, shape (N, HEAD_WORDS).
+
+    Parameters
+    ----------
+    ticks, first_ticks : ndarray of int64, shape (N,)
+    columns : int
+    time_step_s, published_at_s : float
+    """
+    heads = np.empty(len(ticks), dtype=_HEAD)
+    heads["opcode"], heads["length"] = _WHOLE_BINARY, _MEDIUM
+    # Shorter and longer blocks get another head of their frame, see `PublishedBlock`.
+    heads["size"] = (HEADER_BYTES + 4 * ticks * columns) & _LONGEST
+    heads["magic"], heads["ticks"], heads["columns"] = MAGIC, ticks, columns
+    heads["first_tick"] = first_ticks % 2**32
+    heads["time_s"], heads["time_step_s"] = first_ticks * time_step_s, time_step_s
+    heads["published_at_s"] = published_at_s
+    return heads.view(np.uint32).reshape(len(ticks), HEAD_WORDS)
 
 
 def column_names(layout: FrameLayout) -> list[str]:

@@ -13,7 +13,8 @@ import contextlib
 from collections import deque
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
+from weakref import WeakValueDictionary
 
 DEFAULT_QUEUE = 64
 
@@ -100,6 +101,32 @@ class Listener(Protocol):
         """Take a message; False when one was dropped."""
 
 
+class Channel:
+    """One topic: whoever publishes often holds it, and looks at `listeners` before it makes a costly message.
+
+    Parameters
+    ----------
+    name : str
+    metrics : BusMetrics
+    """
+
+    __slots__ = ("__weakref__", "_metrics", "listeners", "name")
+
+    def __init__(self, name: str, metrics: BusMetrics) -> None:
+        self.name: Final = name
+        self.listeners: Final[list[Listener]] = []
+        self._metrics = metrics
+
+    def publish(self, message: Any) -> None:
+        """Give a message to everybody who listens; never waits."""
+        metrics = self._metrics
+        metrics.published += 1
+        for listener in self.listeners:
+            metrics.delivered += 1
+            if not listener.put(self.name, message):
+                metrics.dropped += 1
+
+
 class Bus(Protocol):
     """What sessions and views need of a bus. All calls are made on the event loop's thread."""
 
@@ -115,21 +142,29 @@ class Bus(Protocol):
     def has_listeners(self, topic: str) -> bool:
         """Whether anybody listens, so that costly messages are made only then."""
 
+    def channel(self, topic: str) -> Channel:
+        """Return the channel of a topic, the same one for as long as anybody holds it."""
+
 
 class MemoryBus:
     """The bus of one process."""
 
     def __init__(self) -> None:
-        self._listeners: dict[str, list[Listener]] = {}
+        # A channel lives as long as whoever publishes or listens.
+        self._channels: WeakValueDictionary[str, Channel] = WeakValueDictionary()
+        self._heard: dict[Listener, list[Channel]] = {}
         self.metrics = BusMetrics()
+
+    def channel(self, topic: str) -> Channel:
+        """Return the channel of a topic, the same one for as long as anybody holds it."""
+        found = self._channels.get(topic)
+        if found is None:
+            self._channels[topic] = found = Channel(topic, self.metrics)
+        return found
 
     def publish(self, topic: str, message: Any) -> None:
         """Give a message to everybody who listens to the topic; never waits."""
-        self.metrics.published += 1
-        for subscription in self._listeners.get(topic, ()):
-            self.metrics.delivered += 1
-            if not subscription.put(topic, message):
-                self.metrics.dropped += 1
+        self.channel(topic).publish(message)
 
     def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
         """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
@@ -147,21 +182,19 @@ class MemoryBus:
             self.remove(listener)
 
     def _add(self, listener: Listener) -> None:
-        for topic in listener.topics:
-            self._listeners.setdefault(topic, []).append(listener)
+        self._heard[listener] = [self.channel(topic) for topic in listener.topics]
+        for channel in self._heard[listener]:
+            channel.listeners.append(listener)
 
     def has_listeners(self, topic: str) -> bool:
         """Whether anybody listens, so that costly messages are made only then."""
-        return topic in self._listeners
+        found = self._channels.get(topic)
+        return found is not None and bool(found.listeners)
 
-    def remove(self, subscription: Listener) -> None:
+    def remove(self, listener: Listener) -> None:
         """Forget a listener; `Subscription.close` calls this."""
-        for topic in subscription.topics:
-            listeners = self._listeners.get(topic, [])
-            if subscription in listeners:
-                listeners.remove(subscription)
-            if not listeners:
-                self._listeners.pop(topic, None)
+        for channel in self._heard.pop(listener, ()):
+            channel.listeners.remove(listener)
 
 
 def topic(session_id: str, name: str) -> str:

@@ -85,10 +85,14 @@ class Housekeeping:
                 logger.exception("looking after the live sessions failed")
 
     def _look_after(self, session: LiveSession, *, publish: bool) -> None:
+        if publish:
+            # What follows sees the session as it was last settled: twice a second is often enough.
+            session.settle()
         silence_s = time.monotonic() - session.last_arrival_s
+        ledger = session.now.ledger
         if silence_s > REORDER_PATIENCE_S:
             session.silent()
-        said_goodbye = session.ledger.last_sequence is not None
+        said_goodbye = ledger.last_sequence is not None
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
             session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
         session.is_being_stored()
@@ -96,9 +100,9 @@ class Housekeeping:
             session.publish_health()
         if session.state not in OPEN:
             return
-        if session.ledger.is_settled:
+        if ledger.is_settled:
             self._close_soon(session.id, say("live.all_sent"))
-        elif session.session_time_s > self._longest_s:
+        elif session.now.clock.session_time_us * 1e-6 > self._longest_s:
             self._close_soon(session.id, _LONG)
         elif silence_s > self._idle_close_s:
             self._close_soon(session.id, _IDLE)

@@ -118,7 +118,7 @@ async def _serve(
             stack.enter_context(live.bus.attach(BlockSender(blocks, socket)))
         tasks = [
             asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
-            asyncio.create_task(_send_messages(websocket, messages), name="watch messages"),
+            asyncio.create_task(_send_messages(websocket, messages, socket), name="watch messages"),
             asyncio.create_task(_receive(websocket), name="watch receive"),
             asyncio.create_task(_keep_checking(websocket, live, check), name="watch right"),
         ]
@@ -150,9 +150,11 @@ async def _send_frames(websocket: WebSocket, frames: Subscription) -> None:
             await websocket.send_bytes(item.block)
 
 
-async def _send_messages(websocket: WebSocket, messages: Subscription) -> None:
+async def _send_messages(websocket: WebSocket, messages: Subscription, socket: LeanSocket | None) -> None:
     async for message in messages:
-        await websocket.send_text(message.model_dump_json())
+        text = message.model_dump_json()
+        if socket is None or not socket.send_text_now(text):
+            await websocket.send_text(text)
 
 
 async def _receive(websocket: WebSocket) -> None:

@@ -4,25 +4,24 @@ Session time is device time from the first packet on, so it depends on the packe
 can be aligned again, bit for bit. Arrival times only tell the skew and bridge a restart of the device clock.
 """
 
+import math
 from array import array
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
-
-import numpy as np
 
 from app.errors import PacketError
 from app.network.declaration import ClockEpoch, Declaration
 from app.network.packet import Packet
 from app.sentences import Sentence, say
-from estimators.recording import Float
 
 MAX_GAP_US = 600_000_000
 """A session with a longer hole is two sessions."""
 _REMEMBERED = 4096
 """Packets whose times are known; one that comes again later is a duplicate whatever it says."""
+_SKEW_EVERY_S = 10.0
 _WRAP_32 = 1 << 32
 _WRAP_64 = 1 << 64
 _SEQUENCE_JUMP = 1_000_000
@@ -203,8 +202,10 @@ class PacketClock:
         self._highest, self._highest_time_us, self._highest_duration_us = sequence, times_us[-1], duration_us
         self._highest_arrival_s = arrival_s
         self._is_new_connection = False
+        sequences, times = self._sequences, self._times
         for number, time_us in enumerate(times_us, sequence + 1 - len(times_us)):
-            self._remember(number, time_us)
+            slot = number % _REMEMBERED
+            sequences[slot], times[slot] = number, time_us
 
     def fill(self, x: Any) -> None:
         """Write into a record of `SLOT` what the next packet in order must fit; there must be an epoch."""
@@ -228,52 +229,59 @@ class SkewEstimator:
 
     def __init__(self, window_s: int = 120) -> None:
         self._minima: deque[tuple[float, float]] = deque(maxlen=window_s)
-        self._second: int | None = None
+        self._second = -1
+        self._found: tuple[float, float | None] = (-math.inf, None)
 
-    def add(self, device_s: float, arrival_s: float) -> None:
-        """Take one packet's device time (its last tick) and monotonic arrival time."""
-        delay = arrival_s - device_s
-        second = int(device_s)
-        if second == self._second:
-            if delay < self._minima[-1][1]:
-                self._minima[-1] = (device_s, delay)
-        elif self._second is None or second > self._second:
-            self._second = second
-            self._minima.append((device_s, delay))
+    def add(self, arrived: Iterable[tuple[float, float]]) -> None:
+        """Take device time (of its last tick) and monotonic arrival time of each packet, s."""
+        for device_s, arrival_s in arrived:
+            delay = arrival_s - device_s
+            second = int(device_s)
+            if second == self._second:
+                if delay < self._minima[-1][1]:
+                    self._minima[-1] = (device_s, delay)
+            elif second > self._second:
+                self._second = second
+                self._minima.append((device_s, delay))
 
     def reset(self) -> None:
         """Forget: the device clock started anew or the stream was resumed."""
         self._minima.clear()
-        self._second = None
+        self._second, self._found = -1, (-math.inf, None)
 
     @property
     def skew_ppm(self) -> float | None:
         """Server seconds per device second minus one, in 1e-6.
 
-        None before 20 s, and when it is no clock at all: more than 2000 ppm, so not sent in real time.
+        None before 20 s, and when it is no clock at all: more than 2000 ppm, so not sent in real time. It is found anew
+        every few seconds; clocks drift slowly.
         """
         if len(self._minima) < 20 or self._minima[-1][0] - self._minima[0][0] < 20.0:
             return None
-        device_s, delay_s = np.array(self._minima).T
-        slope = _slope_under(device_s, delay_s)
-        return None if abs(slope) > 2e-3 else 1e6 * slope
+        newest_s = self._minima[-1][0]
+        if newest_s - self._found[0] >= _SKEW_EVERY_S:
+            slope = _slope_under(self._minima)
+            self._found = (newest_s, None if abs(slope) > 2e-3 else 1e6 * slope)
+        return self._found[1]
 
 
-def _slope_under(x: Float, y: Float) -> float:
+def _slope_under(points: Iterable[tuple[float, float]]) -> float:
     """Slope of the line below all points with the smallest sum of distances to them.
 
-    It is the edge of the lower convex hull that spans the mean of x (the dual of that linear program).
+    It is the edge of the lower convex hull that spans the mean of x (the dual of that linear program). Points (x, y)
+    come with rising x.
     """
-    hull: list[int] = []
-    for i in range(x.shape[0]):
+    hull: list[tuple[float, float]] = []
+    total = count = 0.0
+    for x, y in points:
+        total, count = total + x, count + 1.0
         while len(hull) >= 2:
-            a, b = hull[-2], hull[-1]
-            if (y[b] - y[a]) * (x[i] - x[a]) < (y[i] - y[a]) * (x[b] - x[a]):
+            (xa, ya), (xb, yb) = hull[-2:]
+            if (yb - ya) * (x - xa) < (y - ya) * (xb - xa):
                 break
             hull.pop()
-        hull.append(i)
-    middle = x.mean()
-    for a, b in pairwise(hull):
-        if x[b] >= middle:
-            return float((y[b] - y[a]) / (x[b] - x[a]))
+        hull.append((x, y))
+    for (xa, ya), (xb, yb) in pairwise(hull):
+        if xb * count >= total:
+            return (yb - ya) / (xb - xa)
     return 0.0

@@ -14,8 +14,6 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 EXTENSION: Final = "telemotion.lean"
 LONGEST_FRAME: Final = 1 << 20
 """Longer ones are refused by uvicorn, see `ws_max_size`."""
-MOST_WAITING: Final = 128 << 10
-"""Bytes that may wait to be sent before a frame for a view is dropped instead."""
 _CONTINUED, _TEXT, _BINARY = 0, 1, 2
 _WHOLE_BINARY: Final = 0x80 | _BINARY
 
@@ -143,16 +141,18 @@ class LeanSocket(WebSocketsSansIOProtocol):
         if not self.is_open:
             return True
         # Frames must not fill what messages wait for: those are never dropped.
-        if not self.writable.is_set() or self.transport.get_write_buffer_size() > MOST_WAITING:
+        if not self.writable.is_set():
             return False
         self.transport.write(frame)
         return True
 
-    def send_text_now(self, text: str) -> None:
-        """Send a text message without waiting; whoever sends many must look whether they are read."""
-        if self.is_open:
-            self.conn.send_text(text.encode())
-            self.transport.write(b"".join(self.conn.data_to_send()))
+    def send_text_now(self, text: str) -> bool:
+        """Send a text message without waiting; False when the other side does not keep up or the socket is closing."""
+        if not (self.is_open and self.writable.is_set()):
+            return False
+        self.conn.send_text(text.encode())
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        return True
 
 
 def lean_socket(websocket: WebSocket) -> LeanSocket | None:

@@ -4,7 +4,6 @@ What is not read waits in the connection and then at the sender; nothing is lost
 """
 
 import time
-from collections.abc import Callable
 from typing import Final
 
 BURST_S: Final = 20.0
@@ -20,31 +19,30 @@ class Pace:
         Seconds of signal that are taken in a second, over a long time.
     burst_s : float
         Seconds of signal that are taken at once.
-    clock : callable
-        Monotonic seconds.
+    now_s : float, optional
+        Monotonic; by default the present.
     """
 
-    def __init__(
-        self, speed: float, burst_s: float = BURST_S, clock: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, speed: float, burst_s: float = BURST_S, now_s: float | None = None) -> None:
         self._speed = speed
         self._burst_s = burst_s
-        self._clock = clock
         self._level_s = 0.0
-        self._at_s = clock()
+        self._at_s = time.monotonic() if now_s is None else now_s
 
-    def take(self, signal_s: float) -> float:
+    def take(self, signal_s: float, now_s: float) -> float:
         """Count a message and return how long to wait before the next is read, s.
 
         Parameters
         ----------
         signal_s : float
             Duration of what it holds.
+        now_s : float
+            When it came, monotonic.
         """
-        now = self._clock()
-        self._level_s = max(0.0, self._level_s - (now - self._at_s) * self._speed) + signal_s
-        self._at_s = now
-        return max(0.0, (self._level_s - self._burst_s) / self._speed)
+        left_s = self._level_s - (now_s - self._at_s) * self._speed
+        self._level_s = level_s = left_s + signal_s if left_s > 0.0 else signal_s
+        self._at_s = now_s
+        return (level_s - self._burst_s) / self._speed if level_s > self._burst_s else 0.0
 
 
 __all__ = ["BURST_S", "Pace"]

@@ -58,22 +58,22 @@ def test_allowances_are_read_from_the_environment(monkeypatch: pytest.MonkeyPatc
 
 def test_a_gateway_five_times_too_fast_is_read_three_times_as_fast() -> None:
     now = 0.0
-    pace = Pace(3.0, burst_s=20.0, clock=lambda: now)
+    pace = Pace(3.0, burst_s=20.0, now_s=now)
     signal_s = 0.0
     while now < 100.0:
         signal_s += 0.05
         # It has the next packet ready a fifth of the packet's duration later, or as soon as it is read.
-        now += max(0.01, pace.take(0.05))
+        now += max(0.01, pace.take(0.05, now))
     assert signal_s == pytest.approx(3.0 * 100.0 + 20.0, rel=0.01)
 
 
 def test_a_gateway_in_real_time_never_waits() -> None:
     now = 0.0
-    pace = Pace(3.0, clock=lambda: now)
+    pace = Pace(3.0, now_s=now)
     for number in range(10_000):
         # A link that holds everything up for two seconds now and then.
         now += 2.0 if number % 100 == 0 else 0.05 - 1.95 / 99
-        assert pace.take(0.05) == 0.0
+        assert pace.take(0.05, now) == 0.0
 
 
 def test_an_upload_beyond_the_share_is_refused_and_says_when_to_come_back(services, world, therapist) -> None:

@@ -48,7 +48,7 @@ class CalibratedSession(SessionBook):
             self.declaration.time_step_s,
             self.line,
             hemisphere=hemisphere,
-            tell=partial(self._bus.publish, self._topics["calibration"]),
+            tell=self.channels["calibration"].publish,
             changed=self._publish_state,
             done=self._calibrated,
             failed=self._calibration_failed,
@@ -133,7 +133,7 @@ class CalibratedSession(SessionBook):
             text=CATALOGUE.together(found.reasons),
             details=dict(found.details),
         )
-        self._bus.publish(self._topics["layout"], self.layout())
+        self.channels["layout"].publish(self.layout())
         if self.machine.state == "calibrating" and self.is_calibrated:
             self._change("ready", say("live.calibrated", score=found.score))
         else:

@@ -1,7 +1,7 @@
 """Link and signal health of one live session, over about the last two seconds."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +15,7 @@ LOST_AFTER_S = 0.5
 """A sensor without samples for so long is reported as lost."""
 _NOISY_LOSS_PERCENT = 5.0
 _WINDOW_S = 1.0
-_LATENCIES = 512
+_LATENCIES = 200
 _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 
@@ -68,16 +68,21 @@ class LinkHealth:
         self.latencies_s: deque[float] = deque(maxlen=_LATENCIES)
         """Not yet taken."""
         self._taken_s: deque[float] = deque(maxlen=_LATENCIES)
+        self._shown: tuple[tuple[object, ...], list[SensorHealth]] = ((), [])
 
-    def add_packet(self, device_s: float, arrival_s: float) -> None:
-        """Take device time and monotonic arrival time of a packet that came as it was measured.
+    def add_packets(self, arrived: Iterable[tuple[float, float]]) -> None:
+        """Take device time and monotonic arrival time, s, of packets that came as they were measured.
 
         Jitter is the running mean change of transit time, RFC 3550 section 6.4.1.
         """
-        transit_s = arrival_s - device_s
-        if self._transit_s is not None:
-            self._jitter_s += (min(abs(transit_s - self._transit_s), 1.0) - self._jitter_s) / 16.0
-        self._transit_s = transit_s
+        before_s, jitter_s = self._transit_s, self._jitter_s
+        for device_s, arrival_s in arrived:
+            transit_s = arrival_s - device_s
+            if before_s is not None:
+                change_s = transit_s - before_s if transit_s > before_s else before_s - transit_s
+                jitter_s += ((change_s if change_s < 1.0 else 1.0) - jitter_s) / 16.0
+            before_s = transit_s
+        self._transit_s, self._jitter_s = before_s, jitter_s
 
     def add_chunk(self, chunk: ImuChunk) -> list[SensorChange]:
         """Take aligned ticks; return the sensors that were lost or came back with them."""
@@ -103,11 +108,12 @@ class LinkHealth:
         """Whether a sensor gives nothing at present: the next ticks must be looked at."""
         return self._has_gaps
 
-    def add_whole(self, ticks: int) -> None:
-        """Take aligned ticks in which every sample was measured, while `has_gaps` is false."""
-        if self._present.ticks * self._step_s >= _WINDOW_S:
-            self._previous, self._present = self._present, _Window(len(self.placements))
-        self._present.ticks += ticks
+    def add_whole(self, chunks: Iterable[int]) -> None:
+        """Take ticks of chunks in which every sample was measured, while `has_gaps` is false."""
+        for ticks in chunks:
+            if self._present.ticks * self._step_s >= _WINDOW_S:
+                self._previous, self._present = self._present, _Window(len(self.placements))
+            self._present.ticks += ticks
 
     def _changes(self, run: NDArray[np.int64], tick: int) -> list[SensorChange]:
         self._missing_ticks = run
@@ -142,15 +148,20 @@ class LinkHealth:
         return round(1e3 * median, 3), round(1e3 * high, 3)
 
     def sensors(self, link_is_up: bool) -> list[SensorHealth]:
-        """Return the health of every sensor."""
+        """Return the health of every sensor; the same list while nothing has changed. Jitter to half a millisecond."""
         ticks = max(1, self._present.ticks + self._previous.ticks)
         loss = 100.0 * (self._present.lost + self._previous.lost) / ticks
         saturated = self._present.saturated | self._previous.saturated
-        found = []
         newest = [] if self._segment_flags is None else self._segment_flags[-1].tolist()
+        jitter_ms = round(2e3 * self._jitter_s) / 2
+        each = tuple(
+            zip(self.placements, loss.tolist(), saturated.tolist(), self._is_lost.tolist(), strict=True)
+        )
+        key = (link_is_up, jitter_ms, self._segments, newest, each)
+        if key == self._shown[0]:
+            return self._shown[1]
         flags_of = dict(zip(self._segments, newest, strict=True))
-        jitter_ms = round(1e3 * self._jitter_s, 2)
-        each = zip(self.placements, loss.tolist(), saturated.tolist(), self._is_lost.tolist(), strict=True)
+        found = []
         for placement, percent, is_saturated, is_lost in each:
             flags = flags_of.get(placement, 0)
             is_noisy = percent > _NOISY_LOSS_PERCENT or is_saturated
@@ -166,4 +177,5 @@ class LinkHealth:
                     heading_trusted=flags & _NO_HEADING == 0,
                 )
             )
+        self._shown = (key, found)
         return found

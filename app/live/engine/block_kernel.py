@@ -15,22 +15,39 @@ _U2: Final = types.Array(types.uint8, 2, "C")
 
 
 @compiled(
-    VOID(types.int64[:, ::1], bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3), types.float32[::1])
+    VOID(
+        types.int64[:, ::1],
+        types.uint32[:, ::1],
+        bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3),
+        types.uint32[::1],
+        types.float32[::1],
+    )
 )
-def write_blocks(places: NDArray[np.int64], columns: Columns, out: NDArray[np.float32]) -> None:
-    """Write ticks of some sessions in the columns of `app.live.blocks.column_names`.
+def write_blocks(
+    places: NDArray[np.int64],
+    heads: NDArray[np.uint32],
+    columns: Columns,
+    words: NDArray[np.uint32],
+    out: NDArray[np.float32],
+) -> None:
+    """Write ticks of some sessions in the columns of `app.live.blocks.column_names`, each block behind its head.
 
     Parameters
     ----------
     places : ndarray of int64, shape (N, 3)
-        First row in `columns`, rows, and where in `out` the block's numbers begin.
+        First row in `columns`, rows, and where in `out` the block begins.
+    heads : ndarray of uint32, shape (N, H)
     columns : Columns
-    out : ndarray of float32
+    words, out : ndarray of uint32 and float32
+        The same memory.
     """
     angles, scalars = columns.angle_rad.shape[1], columns.scalar.shape[1]
     points, segments = columns.point_room_m.shape[1], columns.segment_flags.shape[1]
     for n in range(places.shape[0]):
         at = places[n, 2]
+        for h in range(heads.shape[1]):
+            words[at + h] = heads[n, h]
+        at += heads.shape[1]
         for k in range(places[n, 0], places[n, 0] + places[n, 1]):
             for a in range(angles):
                 out[at + a] = columns.angle_rad[k, a]

@@ -1,6 +1,6 @@
 """What the edge has received since the last turn: packets, one after the other, and whose they are."""
 
-from typing import Final, NamedTuple, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numba import types
@@ -18,22 +18,23 @@ JOURNAL_BYTES: Final = 4 << 20
 class Sender(Protocol):
     """Whoever a packet came from."""
 
-    def was_right(self) -> None:
-        """Count a packet that was taken together with others."""
+    @property
+    def lane(self) -> Any:
+        """The place of its session among those whose packets are taken together; None where it has none at present."""
 
     def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int) -> None:
         """Take a packet the general way; never raises."""
 
 
-class Received(NamedTuple):
-    """A packet in the journal, and when it came."""
+Received = tuple[Sender, int, int, int, float, int]
+"""A packet in the journal: sender, offset, length, key of its mask; arrival, monotonic in s and since the epoch in ns.
 
-    sender: Sender
-    offset: int
-    length: int
-    key: int
-    arrival_s: float
-    arrival_ns: int
+A plain tuple: thousands are made a second.
+"""
+SENDER: Final = 0
+OFFSET: Final = 1
+LENGTH: Final = 2
+KEY: Final = 3
 
 
 class Journal:
@@ -52,27 +53,26 @@ class Journal:
         )
         self.bytes = self.packets.data.data.cast("B")
         self.received: list[Received] = []
-        self._end = 0
+        self._size, self._end = len(self.bytes), 0
 
-    def has_room(self, length: int) -> bool:
-        """Whether a packet of this length fits."""
-        return self._end + length + 8 <= len(self.bytes)
-
-    def add(self, sender: Sender, data: memoryview, key: int, arrival_s: float, arrival_ns: int) -> None:
-        """Copy a packet, masked with a key of four bytes (little endian; 0 for none)."""
+    def add(self, sender: Sender, data: memoryview, key: int, arrival_s: float, arrival_ns: int) -> bool:
+        """Copy a packet, masked with a key of four bytes (little endian; 0 for none); False when there is no room."""
         start, length = self._end, len(data)
+        if start + length + 8 > self._size:
+            return False
         self.bytes[start : start + length] = data
-        self.received.append(Received(sender, start, length, key, arrival_s, arrival_ns))
+        self.received.append((sender, start, length, key, arrival_s, arrival_ns))
         self._end = (start + length + 7) & ~7
+        return True
 
     def unmask(self) -> None:
         """Undo the masks of all packets; once a turn."""
-        masked = [one for one in self.received if one.key]
+        masked = [one for one in self.received if one[KEY]]
         if masked:
             unmask(
                 self._words,
                 np.array(
-                    [(one.offset // 8, (one.length + 7) // 8, one.key) for one in masked], dtype=np.int64
+                    [(at // 8, (length + 7) // 8, key) for _, at, length, key, _, _ in masked], dtype=np.int64
                 ),
             )
 
@@ -100,4 +100,4 @@ def unmask(words: NDArray[np.uint64], masked: NDArray[np.int64]) -> None:
             words[k] ^= mask
 
 
-__all__ = ["JOURNAL_BYTES", "Journal", "Received", "Sender", "unmask"]
+__all__ = ["JOURNAL_BYTES", "LENGTH", "OFFSET", "SENDER", "Journal", "Received", "Sender", "unmask"]

@@ -4,9 +4,9 @@ import logging
 import math
 import threading
 from collections.abc import Hashable, Sequence
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, Protocol
 
-from app.live.blocks import PublishedBlock
+from app.live.bus import Channel
 from app.live.checks.health import LinkHealth
 from app.live.checks.recent import RecentSamples
 from app.live.engine.pools import (
@@ -40,24 +40,13 @@ SETTLE_TICKS: Final = 62
 """A session whose frames take up more rows is settled before its next packet."""
 
 
-class TakenPacket(NamedTuple):
-    """A packet that compiled code took, and that is not settled yet.
-
-    Attributes
-    ----------
-    row : tuple
-        Values of `ITEM`.
-    message : bytes
-    arrival_s : float
-        Monotonic.
-    arrival_ns : int
-        Since the epoch.
-    """
-
-    row: tuple[Any, ...]
-    message: bytes
-    arrival_s: float
-    arrival_ns: int
+TakenPacket = tuple[tuple[Any, ...], bytes, float, int]
+"""A packet that compiled code took, and that is not settled yet: its row of `ITEM`, its bytes, and when it came
+(monotonic, s; since the epoch, ns). A plain tuple: thousands are made a second."""
+ROW: Final = 0
+MESSAGE: Final = 1
+ARRIVAL_S: Final = 2
+ARRIVAL_NS: Final = 3
 
 
 class Parts:
@@ -79,25 +68,16 @@ class Pooled(Protocol):
     now: Parts
     line: EstimationLine
     machine: StateMachine
+    channels: dict[str, Channel]
+    guidance: Any
 
     @property
     def is_plain(self) -> bool:
         """Whether all that happens to the next packet is what the pooled engine does."""
 
     @property
-    def is_watched(self) -> bool:
-        """Whether somebody wants blocks of its frames."""
-
-    @property
-    def wants_frames(self) -> bool:
-        """Whether somebody wants the frames of each packet at once."""
-
-    @property
     def recent(self) -> RecentSamples:
         """The newest seconds of its samples."""
-
-    def publish_block(self, block: PublishedBlock) -> None:
-        """Give a block to whoever watches."""
 
     def show(self, frames: Frames) -> None:
         """Give frames to whoever wants them at once."""
@@ -138,6 +118,13 @@ class Lane:
 
     def __init__(self, session: Pooled, engine: Slots) -> None:
         self.session = session
+        self.blocks = session.channels["blocks"]
+        """Where the blocks of its frames go."""
+        self.is_sure = False
+        """Whether nothing can have moved the session since `is_ready` last looked at it closely."""
+        self.taken = 0
+        """Packets that compiled code took."""
+        self._frames = session.channels["frames"]
         self.pool: SessionPool | None = None
         self.slot = -1
         self._engine = engine
@@ -151,9 +138,15 @@ class Lane:
     @property
     def is_ready(self) -> bool:
         """Whether compiled code may take the next packet."""
-        session, parts = self.session, self.session.now
+        session = self.session
+        if session.machine.state not in STREAMING:
+            return False
+        if self.is_sure and self._rows <= SETTLE_TICKS and session.line.is_idle:
+            return True
+        self.is_sure = False
+        parts = session.now
         clock, aligner = parts.clock, parts.aligner
-        if session.machine.state not in STREAMING or not session.is_plain or aligner.waiting:
+        if not session.is_plain or aligner.waiting:
             return False
         if self._rows > SETTLE_TICKS and self.pool is not None:
             # Nothing of it is on its way through a turn: its rows are free once it is settled.
@@ -168,8 +161,10 @@ class Lane:
             and known[1] is setup
             and known[2] is aligner
         ):
-            return True
-        return self._enter((declaration, setup, aligner))
+            self.is_sure = True
+        else:
+            self.is_sure = self._enter((declaration, setup, aligner))
+        return self.is_sure
 
     def _enter(self, known: tuple[object, ...]) -> bool:
         self.settle()
@@ -214,16 +209,17 @@ class Lane:
         self.session.recent.own()
         self._engine.leave(self.pool, self.slot)
         self.pool, self.slot, self._key, self._known = None, -1, None, None
+        self.is_sure = False
 
     def forget(self) -> None:
         """Look anew where the session stands before the next packet is taken."""
         self.settle()
-        self._next = (-2, -2)
+        self._next, self.is_sure = (-2, -2), False
 
     @property
     def newest_arrival_s(self) -> float:
         """Monotonic time at which the newest packet came that is not settled; minus infinity where none is."""
-        return self._taken[-1].arrival_s if self._taken else -math.inf
+        return self._taken[-1][ARRIVAL_S] if self._taken else -math.inf
 
     def took(
         self, row: tuple[Any, ...], message: bytes, arrival_s: float, arrival_ns: int, now_s: float
@@ -242,7 +238,8 @@ class Lane:
             Monotonic time at which what was found of it has been shown.
         """
         session = self.session
-        self._taken.append(TakenPacket(row, message, arrival_s, arrival_ns))
+        self.taken += 1
+        self._taken.append((row, message, arrival_s, arrival_ns))
         ticks = row[TICKS]
         self._ticks += ticks
         if not ticks:
@@ -251,10 +248,13 @@ class Lane:
         self._rows = row[TICK_AT] + ticks - self.slot * FRAME_ROWS
         health = session.now.health
         health.latencies_s.append(now_s - arrival_s)
-        if session.wants_frames:
+        guidance = session.guidance
+        if self._frames.listeners or (guidance is not None and guidance.is_following):
             session.show(self.pool.frames(row[FIRST_TICK], row[TICK_AT], ticks))
         if row[IS_FLAWED] or health.has_gaps:
             self.settle()
+            # What is found of a sensor may move the session.
+            self.is_sure = False
 
     def settle(self) -> None:
         """Let the session's parts stand where its rows stand: carry them on over the packets since, store and count.
@@ -272,11 +272,10 @@ class Lane:
 
     def _settle(self, taken: list[TakenPacket], pool: SessionPool) -> None:
         ticks, self._taken, self._ticks = self._ticks, [], 0
-        session, parts, last = self.session, self.session.now, taken[-1].row
+        session, parts, last = self.session, self.session.now, taken[-1][ROW]
         sequence, next_tick = last[SEQUENCE], last[NEXT_TICK]
-        parts.clock.advance(
-            [one.row[TIME_US] for one in taken], sequence, last[DURATION_US], taken[-1].arrival_s
-        )
+        rows = [one[ROW] for one in taken]
+        parts.clock.advance([row[TIME_US] for row in rows], sequence, last[DURATION_US], taken[-1][ARRIVAL_S])
         parts.aligner.advance(
             sequence, last[TIME_US] + last[DURATION_US], next_tick, last[LAST_POSITION], last[ROWS_KNOWN]
         )
@@ -286,11 +285,11 @@ class Lane:
             pool.settled(self.slot)
             self._rows = 0
         self._next = (sequence, next_tick)
-        messages, arrivals_ns = [one.message for one in taken], [one.arrival_ns for one in taken]
-        session.took(taken, runs_of(taken[0].row[SEQUENCE], messages, arrivals_ns))
+        messages, arrivals_ns = [one[MESSAGE] for one in taken], [one[ARRIVAL_NS] for one in taken]
+        session.took(taken, runs_of(rows[0][SEQUENCE], messages, arrivals_ns))
         if not ticks:
             return
-        shown = [one.row for one in taken if one.row[TICKS]]
+        shown = [row for row in rows if row[TICKS]]
         frames = pool.frames(next_tick - ticks, shown[0][TICK_AT], ticks)
         whole, chunk = [row[TICKS] for row in shown], None
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
@@ -299,4 +298,4 @@ class Lane:
         session.after_pooled(frames, whole, chunk)
 
 
-__all__ = ["Lane", "Parts", "TakenPacket"]
+__all__ = ["ARRIVAL_S", "Lane", "Parts", "TakenPacket"]

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.live.blocks import PublishedBlock, block_header, column_names
+from app.live.blocks import HEAD_WORDS, PublishedBlock, block_heads, column_names
 from app.live.checks.recent import LATE_TICKS
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
@@ -59,11 +59,12 @@ class SessionPool:
         self._stretches = np.zeros(ITEMS, dtype=STRETCH)
         self._placed = room_for(channels, sensors, most_ticks)
         self._width = len(column_names(like.layout))
-        self._numbers = np.empty(most_ticks * self._width, dtype=np.float32)
+        self._numbers = np.empty(most_ticks * (self._width + HEAD_WORDS), dtype=np.float32)
+        self._words = self._numbers.view(np.uint32)
         self._time_step_s = 1.0 / like.setup.rate_hz
 
     def take(
-        self, journal: Journal, slots: Sequence[int], places: Sequence[tuple[int, int]]
+        self, journal: Journal, slots: Sequence[int], offsets: Sequence[int], lengths: Sequence[int]
     ) -> list[tuple[Any, ...]]:
         """Take up to `ITEMS` packets, in the order in which they came.
 
@@ -72,7 +73,8 @@ class SessionPool:
         journal : Journal
             Unmasked.
         slots : sequence of int
-        places : sequence of (offset, length)
+        offsets, lengths : sequence of int
+            Where they lie in the journal.
 
         Returns
         -------
@@ -82,7 +84,8 @@ class SessionPool:
         count = len(slots)
         items = self._items[:count]
         items["slot"] = slots
-        items["offset"], items["length"] = np.array(places).T
+        items["offset"] = offsets
+        items["length"] = lengths
         place(self._items, count, journal.packets, self.network, self._placed, FRAME_ROWS)
         for name in _STEP_FIELDS:
             self._stretches[name][:count] = items[name]
@@ -113,25 +116,28 @@ class SessionPool:
         at, ticks = row[QUALITY_AT], row[TICKS]
         return self._placed.quality[at : at + self.sensors * ticks].reshape(self.sensors, ticks).copy()
 
-    def blocks(self, rows: Sequence[tuple[Any, ...]], published_at_s: float) -> Iterator[PublishedBlock]:
-        """Yield the block of each packet.
+    def blocks(self, numbers: Sequence[int], published_at_s: float) -> Iterator[PublishedBlock]:
+        """Yield the block of each packet that is wanted.
 
         Parameters
         ----------
-        rows : sequence of tuple
-            Those that `take` returned and that are wanted; each has ticks.
+        numbers : sequence of int
+            Of the packets among those that were taken last; each has ticks.
         published_at_s : float
             Since the epoch.
         """
-        places, at = [], 0
-        for row in rows:
-            places.append((row[TICK_AT], row[TICKS], at))
-            at += row[TICKS] * self._width
-        write_blocks(np.array(places, dtype=np.int64), self.kind.columns, self._numbers)
-        numbers = self._numbers.data.cast("B")
-        for row, (_, ticks, first) in zip(rows, places, strict=True):
-            head = block_header(ticks, self._width, row[FIRST_TICK], self._time_step_s, published_at_s)
-            yield PublishedBlock(head + numbers[4 * first : 4 * (first + ticks * self._width)])
+        items = self._items[np.array(numbers)]
+        heads = block_heads(
+            items["ticks"], self._width, items["first_tick"], self._time_step_s, published_at_s
+        )
+        places = np.zeros((len(items), 3), dtype=np.int64)
+        places[:, 0], places[:, 1] = items["tick_at"], items["ticks"]
+        sizes = heads.shape[1] + items["ticks"] * self._width
+        places[1:, 2] = np.cumsum(sizes)[:-1]
+        write_blocks(places, heads, self.kind.columns, self._words, self._numbers)
+        written = self._numbers.data.cast("B")
+        for start, size in zip((4 * places[:, 2]).tolist(), (4 * sizes).tolist(), strict=True):
+            yield PublishedBlock(bytes(written[start : start + size]))
 
 
 __all__ = ["FRAME_ROWS", "ITEMS", "SESSIONS", "SessionPool", "pool_key"]

@@ -12,7 +12,8 @@ import time
 from collections.abc import Hashable
 from typing import Final
 
-from app.live.engine.journal import Journal, Received, Sender
+from app.ingest.websocket import metrics
+from app.live.engine.journal import LENGTH, OFFSET, SENDER, Journal, Received, Sender
 from app.live.engine.lane import Lane
 from app.live.engine.pools import ITEMS, SESSIONS, STATUS, TICKS, SessionPool
 from app.network.placing.slot import ORDINARY
@@ -24,12 +25,6 @@ LONGEST_WAIT_S: Final = 0.010
 SHORTEST_WAIT_S: Final = 0.004
 WAIT_PER_WORK: Final = 2.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
-
-
-class LaneSender(Sender):
-    """A sender whose session has a lane."""
-
-    lane: Lane
 
 
 class PooledEngine:
@@ -82,9 +77,9 @@ class PooledEngine:
         arrival_s, arrival_ns
             As of `LiveSession.receive`.
         """
-        if not self._journal.has_room(len(data)):
+        if not self._journal.add(sender, data, key, arrival_s, arrival_ns):
             self.turn()
-        self._journal.add(sender, data, key, arrival_s, arrival_ns)
+            self._journal.add(sender, data, key, arrival_s, arrival_ns)
         if self._timer is None:
             self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.turn)
 
@@ -111,21 +106,22 @@ class PooledEngine:
     def _give(self, received: list[Received]) -> None:
         pooled: dict[SessionPool, list[tuple[Received, Lane]]] = {}
         general: list[Received] = []
-        places: dict[int, SessionPool | None] = {}
+        places: dict[Lane, SessionPool | None] = {}
         for one in received:
-            lane: Lane | None = getattr(one.sender, "lane", None)
+            lane: Lane | None = one[SENDER].lane
             if lane is None:
                 general.append(one)
                 continue
             # Asked once a turn: what follows a packet in its turn goes the way that this one went.
-            key = id(lane)
-            if key not in places:
-                places[key] = self._pool_of(lane)
-            pool = places[key]
+            if lane not in places:
+                places[lane] = self._pool_of(lane)
+            pool = places[lane]
             if pool is None:
                 general.append(one)
+            elif pool in pooled:
+                pooled[pool].append((one, lane))
             else:
-                pooled.setdefault(pool, []).append((one, lane))
+                pooled[pool] = [(one, lane)]
         for pool, items in pooled.items():
             for start in range(0, len(items), ITEMS):
                 self._take_part(pool, items[start : start + ITEMS])
@@ -154,45 +150,51 @@ class PooledEngine:
 
     def _take(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
         rows = pool.take(
-            self._journal, [lane.slot for _, lane in items], [(one.offset, one.length) for one, _ in items]
+            self._journal,
+            [lane.slot for _, lane in items],
+            [one[OFFSET] for one, _ in items],
+            [one[LENGTH] for one, _ in items],
         )
-        ordinary, watched, rare = [], [], []
-        for (one, lane), row in zip(items, rows, strict=True):
-            if row[STATUS] != ORDINARY:
-                rare.append((one, lane))
-                continue
-            ordinary.append((one, lane, row))
-            if row[TICKS] and lane.session.is_watched:
-                watched.append((lane, row))
+        watched = [
+            number
+            for number, ((_, lane), row) in enumerate(zip(items, rows, strict=True))
+            if lane.blocks.listeners and row[TICKS] and row[STATUS] == ORDINARY
+        ]
         if watched:
-            blocks = pool.blocks([row for _, row in watched], time.time())
-            for (lane, _), block in zip(watched, blocks, strict=True):
-                lane.session.publish_block(block)
-        self.ordinary += len(ordinary)
+            blocks = pool.blocks(watched, time.time())
+            for number, block in zip(watched, blocks, strict=True):
+                items[number][1].blocks.publish(block)
         now_s, journal = time.monotonic(), self._journal.bytes
-        for one, lane, row in ordinary:
-            one.sender.was_right()
-            message = bytes(journal[one.offset : one.offset + one.length])
+        rare = 0
+        for ((_, at, length, _, arrival_s, arrival_ns), lane), row in zip(items, rows, strict=True):
+            if row[STATUS] != ORDINARY:
+                rare += 1
+                continue
             try:
-                lane.took(row, message, one.arrival_s, one.arrival_ns, now_s)
+                lane.took(row, bytes(journal[at : at + length]), arrival_s, arrival_ns, now_s)
             except Exception as error:
                 # One session's fault must not reach the others of its turn.
                 logger.exception("a packet of session %s could not be taken", lane.session.id)
                 lane.session.line.stop(error)
-        for one, lane in rare:
-            lane.forget()
-            self._take_rare(one)
+        self.ordinary += len(items) - rare
+        metrics.packets += len(items) - rare
+        if not rare:
+            return
+        for (one, lane), row in zip(items, rows, strict=True):
+            if row[STATUS] != ORDINARY:
+                lane.forget()
+                self._take_rare(one)
 
     def _take_rare(self, one: Received) -> None:
         self.rare += 1
-        data = bytes(self._journal.bytes[one.offset : one.offset + one.length])
+        sender, at, length, _, arrival_s, arrival_ns = one
         try:
-            one.sender.take_rare(data, one.arrival_s, one.arrival_ns)
+            sender.take_rare(bytes(self._journal.bytes[at : at + length]), arrival_s, arrival_ns)
         except Exception as error:
-            lane: Lane | None = getattr(one.sender, "lane", None)
+            lane: Lane | None = sender.lane
             logger.exception("a packet could not be taken")
             if lane is not None:
                 lane.session.line.stop(error)
 
 
-__all__ = ["LaneSender", "PooledEngine"]
+__all__ = ["PooledEngine"]

@@ -40,8 +40,9 @@ class SessionBook(ABC):
         self.machine = StateMachine(stored.state, stored.state_reason)
         self.recording_start_s = stored.recording_start_s
         self.recording_end_s = stored.recording_end_s
-        self._engine, self._writer, self._bus = engine, writer, bus
-        self._topics = {name: topic(self.id, name) for name in TOPICS}
+        self._engine, self._writer = engine, writer
+        self.channels = {name: bus.channel(topic(self.id, name)) for name in TOPICS}
+        """Where its messages go, by their names in `TOPICS`."""
         self._saver = Saver(self.id)
 
     @property
@@ -75,12 +76,12 @@ class SessionBook(ABC):
         self._publish_state()
 
     def _publish_state(self) -> None:
-        self._bus.publish(self._topics["state"], self.state_message())
+        self.channels["state"].publish(self.state_message())
 
     def publish_health(self) -> None:
         """Publish link health when somebody listens."""
-        if self._bus.has_listeners(self._topics["health"]):
-            self._bus.publish(self._topics["health"], self.health_message())
+        if self.channels["health"].listeners:
+            self.channels["health"].publish(self.health_message())
 
     def add_event(
         self,
@@ -112,7 +113,7 @@ class SessionBook(ABC):
             text=text,
             label=(details or {}).get("label"),
         )
-        self._bus.publish(self._topics["event"], EventMessage(event=event))
+        self.channels["event"].publish(EventMessage(event=event))
 
     def _save_recording(self) -> None:
         self._saver.save(

@@ -55,6 +55,11 @@ class Intake:
         return self._session.lane
 
     @property
+    def taken(self) -> int:
+        """How many of its packets were taken together with others'."""
+        return 0 if self._session.lane is None else self._session.lane.taken
+
+    @property
     def is_open(self) -> bool:
         """Whether the session takes packets."""
         return self._session.state in OPEN
@@ -78,7 +83,8 @@ class Intake:
     def acknowledge(self) -> AcknowledgeMessage:
         """Return what the gateway may forget and what it should send again."""
         now = time.monotonic()
-        missing = self._session.ledger.review(now - self._reviewed_s)
+        # As last settled: what compiled code took since is neither missing nor stored.
+        missing = self._session.now.ledger.review(now - self._reviewed_s)
         self._reviewed_s = now
         return self._session.acknowledge(missing)
 

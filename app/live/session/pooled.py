@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.errors import Conflict, Unavailable
-from app.live.blocks import PublishedBlock, PublishedFrames
+from app.live.blocks import PublishedFrames
 from app.live.calibration.calibrated_session import CalibratedSession
 from app.live.checks.first_seconds import FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.health import LinkHealth
 from app.live.checks.recent import RecentSamples
-from app.live.engine.lane import Lane, Parts, TakenPacket
+from app.live.engine.lane import ARRIVAL_S, Lane, Parts, TakenPacket
 from app.live.engine.pools import DURATION_US, TIME_US
 from app.live.guidance.desk import GuidanceDesk
 from app.live.session.actuation import Actuation
@@ -53,9 +53,10 @@ class PooledSession(CalibratedSession):
         return self.now
 
     def settle(self) -> None:
-        """Carry everything on over the packets that have been taken."""
+        """Carry everything on over the packets that have been taken; the lane looks anew before the next."""
         if self.lane is not None:
             self.lane.settle()
+            self.lane.is_sure = False
 
     @property
     def clock(self) -> PacketClock:
@@ -98,7 +99,10 @@ class PooledSession(CalibratedSession):
 
     @property
     def is_plain(self) -> bool:
-        """Whether all that happens to the next packet is what the pooled engine does."""
+        """Whether all that happens to the next packet is what the pooled engine does.
+
+        What ends it begins with `parts` or `settle`, but for what `Lane.is_ready` asks each time.
+        """
         return (
             self.line.is_idle
             and not self._calibration.is_active
@@ -109,46 +113,29 @@ class PooledSession(CalibratedSession):
         )
 
     @property
-    def is_watched(self) -> bool:
-        """Whether somebody wants blocks of its frames."""
-        return self._bus.has_listeners(self._topics["blocks"])
-
-    @property
     def recent(self) -> RecentSamples:
         """The newest seconds of its samples."""
         return self._first_seconds.recent
 
-    def publish_block(self, block: PublishedBlock) -> None:
-        """Give a block to whoever watches."""
-        self._bus.publish(self._topics["blocks"], block)
-
-    @property
-    def wants_frames(self) -> bool:
-        """Whether somebody wants the frames of each packet at once."""
-        return (self.guidance is not None and self.guidance.is_following) or self._bus.has_listeners(
-            self._topics["frames"]
-        )
-
     def show(self, frames: Frames) -> None:
         """Give frames to whoever wants them at once."""
-        if self._bus.has_listeners(self._topics["frames"]):
-            self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
+        if self.channels["frames"].listeners:
+            self.channels["frames"].publish(PublishedFrames(frames, time.time()))
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
 
     def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
         """Store and count packets that are not back-filled and were placed in order."""
         parts = self.now
-        self._last_arrival_s = taken[-1].arrival_s
+        self._last_arrival_s = taken[-1][ARRIVAL_S]
         for run in runs:
             with contextlib.suppress(Conflict, Unavailable):
                 # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
                 self.duplicates += len(run.messages) - self._writer.append_run(self.id, run)
                 parts.ledger.received.add_range(run.first_sequence, run.stop_sequence)
-        for one in taken:
-            end_s = (one.row[TIME_US] + one.row[DURATION_US]) * 1e-6
-            parts.health.add_packet(end_s, one.arrival_s)
-            parts.skew.add(end_s, one.arrival_s)
+        arrived = [((row[TIME_US] + row[DURATION_US]) * 1e-6, arrival_s) for row, _, arrival_s, _ in taken]
+        parts.health.add_packets(arrived)
+        parts.skew.add(arrived)
 
     def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
         """Store and count what the pooled engine found; whoever wants frames at once has seen them.
@@ -160,8 +147,7 @@ class PooledSession(CalibratedSession):
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
         self.store_frames(frames)
         health.set_flags(frames.layout.segments, frames.segment_flags)
-        for count in whole:
-            health.add_whole(count)
+        health.add_whole(whole)
         if chunk is not None:
             self._tell_changes(chunk)
         self._first_seconds.seen(frames.first_tick, frames.first_tick + ticks)

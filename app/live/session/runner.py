@@ -169,8 +169,8 @@ class LiveSession(PooledSession):
         is_live = not packet.flags & _BACKFILLED
         if is_live:
             end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
-            parts.health.add_packet(end_s, arrival_s)
-            parts.skew.add(end_s, arrival_s)
+            parts.health.add_packets(((end_s, arrival_s),))
+            parts.skew.add(((end_s, arrival_s),))
         if self.machine.state == "link_lost":
             self._link_back()
         if self.line.is_running:
@@ -184,11 +184,11 @@ class LiveSession(PooledSession):
     def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
         """Publish and store what the pipeline found."""
         frames = frames.as_stored_live()
-        has_listeners, topics = self._bus.has_listeners, self._topics
-        if has_listeners(topics["blocks"]) or has_listeners(topics["frames"]):
+        wanted = [one for one in (self.channels["blocks"], self.channels["frames"]) if one.listeners]
+        if wanted:
             published = PublishedFrames(frames, time.time())
-            self._bus.publish(topics["blocks"], published)
-            self._bus.publish(topics["frames"], published)
+            for channel in wanted:
+                channel.publish(published)
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=arrival_s is not None)
         if arrival_s is not None:
@@ -337,21 +337,22 @@ class LiveSession(PooledSession):
 
     def health_message(self) -> HealthMessage:
         """Return link health."""
-        median, high = self.health.latency_ms()
+        parts = self.parts
+        median, high = parts.health.latency_ms()
         return HealthMessage(
-            sensors=self.health.sensors(self.machine.state in STREAMING or self.machine.state == "failed"),
-            packets_received=len(self.ledger.received),
-            packets_stored=len(self.ledger.durable),
-            packets_missing=self.ledger.missing_count,
+            sensors=parts.health.sensors(self.machine.state in STREAMING or self.machine.state == "failed"),
+            packets_received=len(parts.ledger.received),
+            packets_stored=len(parts.ledger.durable),
+            packets_missing=parts.ledger.missing_count,
             is_being_stored=self.is_being_stored(),
             latency_ms_median=median,
             latency_ms_p99=high,
-            clock_skew_ppm=self.skew.skew_ppm,
+            clock_skew_ppm=parts.skew.skew_ppm,
         )
 
     def is_being_stored(self) -> bool:
         """Whether what comes is stored; looked at with every turn of the housekeeping."""
-        return not self._has_store_failed and self.ledger.is_being_stored()
+        return not self._has_store_failed and self.now.ledger.is_being_stored()
 
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
@@ -360,10 +361,11 @@ class LiveSession(PooledSession):
 
     def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
         """Return what the gateway may forget."""
-        highest = self.ledger.highest
+        ledger = self.now.ledger
+        highest = ledger.highest
         return AcknowledgeMessage(
             session_id=self.id,
-            acknowledged=self.ledger.acknowledged,
+            acknowledged=ledger.acknowledged,
             highest=highest,
             missing=[(start, min(stop, highest)) for start, stop in missing if start < highest],
             state=self.machine.state,
@@ -380,6 +382,7 @@ class LiveSession(PooledSession):
     def _store_failed(self, error: TelemotionError) -> None:
         self._has_store_failed = True
         self.line.is_running = False
+        self.settle()
         if self.machine.may("failed"):
             self.machine.to("failed", error.message)
         self._publish_state()

@@ -280,7 +280,7 @@ def test_the_skew_is_found_under_the_jitter() -> None:
     for i in range(2400):
         device_s = 0.05 * i
         delay_s = 0.02 + generator.exponential(0.01)
-        estimator.add(device_s, device_s * (1 + 80e-6) + delay_s)
+        estimator.add([(device_s, device_s * (1 + 80e-6) + delay_s)])
     # One minimum of 20 exponential delays a second scatters by 0.5 ms; over 120 s the line under the lowest
     # of them is good to about 0.5 ms / 60 s = 8 ppm.
     assert estimator.skew_ppm == pytest.approx(80, abs=10)
@@ -290,5 +290,5 @@ def test_no_skew_is_told_when_the_stream_is_not_sent_in_real_time() -> None:
     estimator = SkewEstimator()
     assert estimator.skew_ppm is None
     for i in range(2400):
-        estimator.add(0.05 * i, 0.005 * i)
+        estimator.add([(0.05 * i, 0.005 * i)])
     assert estimator.skew_ppm is None

@@ -26,9 +26,6 @@ class Sender:
     def lane(self) -> Any:
         return self.intake.lane
 
-    def was_right(self) -> None:
-        pass
-
     def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int) -> None:
         try:
             packet = decode_packet(data, self.intake.declaration)

@@ -11,7 +11,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import Unavailable
 from app.limits import Limits
 from app.live import repository
-from app.live.admission import FULL, MOST_BUSY, WINDOW_S, Admission
+from app.live.admission import FULL, MOST_BUSY, USUAL_COST, WINDOW_S, Admission
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.live.session.intake import Intake
@@ -44,9 +44,10 @@ def test_sessions_fit_until_the_thread_has_no_room_for_one_more() -> None:
 
 def test_the_first_sessions_of_a_machine_count_as_the_usual_ones() -> None:
     admission = Admission()
-    admission.require_room(streaming=0, quiet=150)
+    fit = int(MOST_BUSY / USUAL_COST)
+    admission.require_room(streaming=0, quiet=fit - 1)
     with pytest.raises(Unavailable):
-        admission.require_room(streaming=0, quiet=200)
+        admission.require_room(streaming=0, quiet=fit)
 
 
 def test_cheap_sessions_leave_room_for_more_and_a_busy_page_closes_no_door() -> None:
