@@ -23,7 +23,7 @@ BASELINE: Final = FEWEST_SESSIONS
 """Sessions needed before it can be said how much one differs from another without any change."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SessionValue:
     """One measure of one session.
 
@@ -53,7 +53,7 @@ class SessionValue:
     template_version_id: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Change:
     """How a measure moved from the baseline, and whether that is more than one session differs from another.
 
@@ -100,15 +100,20 @@ def session_values(
     if exercise_id is not None:
         wanted = [exercise_id] if isinstance(exercise_id, str) else exercise_id
         conditions.append(MotionSession.exercise_id.in_(wanted))
-    found = _over_repetitions(patient_ids, measures)
+    found = _over_repetitions(conditions, measures)
+    # Moments are costly to read and each session has dozens of measures: once a session.
+    began = {
+        row.id: row.started_at or row.created_at
+        for row in session.execute(
+            select(MotionSession.id, MotionSession.started_at, MotionSession.created_at).where(*conditions)
+        )
+    }
     at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
     rows = session.execute(
         select(
             MotionSession.patient_id,
             MotionSession.exercise_id,
             MotionSession.id.label("session_id"),
-            MotionSession.started_at,
-            MotionSession.created_at,
             found,
             Comparison.repetition_count,
             Result.orientation,
@@ -119,7 +124,6 @@ def session_values(
         .join(Comparison, Comparison.id == found.c.comparison_id)
         .join(Result, Result.id == Comparison.result_id)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
-        .where(*conditions)
         .order_by(MotionSession.patient_id, at, MotionSession.id, found.c.measure)
     )
     return [
@@ -127,7 +131,7 @@ def session_values(
             patient_id=row.patient_id,
             exercise_id=row.exercise_id,
             session_id=row.session_id,
-            at=row.started_at or row.created_at,
+            at=began[row.session_id],
             measure=row.measure,
             unit=row.unit,
             mean=row.mean,
@@ -141,12 +145,16 @@ def session_values(
             template_version_id=row.template_version_id,
         )
         for row in rows
+        if row.session_id in began
     ]
 
 
-def _over_repetitions(patient_ids: Sequence[str], measures: Sequence[str] | None) -> Subquery:
-    """Return each measure of the comparison that counts of each session, drawn together before anything is joined."""
-    newest = _ranked_comparisons(patient_ids)
+def _over_repetitions(sessions: Sequence[ColumnElement[bool]], measures: Sequence[str] | None) -> Subquery:
+    """Return each measure of the comparison that counts of each session, drawn together before anything is joined.
+
+    Only of the sessions that are asked for: repetitions of other exercises are by far the most.
+    """
+    newest = _ranked_comparisons(sessions)
     drawn = (
         select(
             RepetitionMeasure.comparison_id,
@@ -166,7 +174,7 @@ def _over_repetitions(patient_ids: Sequence[str], measures: Sequence[str] | None
     return drawn.subquery()
 
 
-def _ranked_comparisons(patient_ids: Sequence[str]) -> Subquery:
+def _ranked_comparisons(sessions: Sequence[ColumnElement[bool]]) -> Subquery:
     """Return the comparisons of each session with their `rank`: 1 is that of its main result, the newest of these."""
     order = (
         (Comparison.result_id == MotionSession.main_result_id).desc(),
@@ -177,7 +185,7 @@ def _ranked_comparisons(patient_ids: Sequence[str]) -> Subquery:
     return (
         select(Comparison.id, rank)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
-        .where(MotionSession.patient_id.in_(patient_ids))
+        .where(*sessions)
         .subquery()
     )
 

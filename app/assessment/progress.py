@@ -134,8 +134,7 @@ def _measure(
 
 def _point(value: SessionValue, pooled: float | None, moved: Change) -> ProgressPoint:
     low, high = band(value, pooled)
-    # Thousands of them, made of what the database holds: nothing is left to be checked.
-    return ProgressPoint.model_construct(
+    return ProgressPoint(
         session_id=value.session_id,
         at=value.at,
         value=value.mean,

@@ -1,5 +1,6 @@
 """Wire types of comparisons, progress and the caseload."""
 
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
 
@@ -113,8 +114,12 @@ class CaseloadRow(Spoken):
     """Of `watch`, `open_live` and `replay`."""
 
 
-class ProgressPoint(Schema):
-    """One session's value of one measure."""
+@dataclass(slots=True)
+class ProgressPoint:
+    """One session's value of one measure.
+
+    Thousands of them are made of what the database holds, in one answer: they are not checked again.
+    """
 
     session_id: str
     at: datetime

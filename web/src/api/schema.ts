@@ -4580,6 +4580,8 @@ export interface components {
         /**
          * ProgressPoint
          * @description One session's value of one measure.
+         *
+         *     Thousands of them are made of what the database holds, in one answer: they are not checked again.
          */
         ProgressPoint: {
             /**
