@@ -13,7 +13,8 @@ from app.sentences import say
 logger = logging.getLogger(__name__)
 
 PERIOD_S: Final = 0.25
-HEALTH_EVERY_TURNS: Final = 2
+SETTLE_EVERY_TURNS: Final = 2
+HEALTH_EVERY_TURNS: Final = 4
 LINK_LOST_AFTER_S: Final = 2.0
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
@@ -77,15 +78,15 @@ class Housekeeping:
             turn += 1
             try:
                 for number, session in enumerate(self._sessions()):
-                    self._look_after(session, publish=(turn + number) % HEALTH_EVERY_TURNS == 0)
+                    self._look_after(session, turn + number)
                     # Packets come first: all sessions together would hold them up for tens of milliseconds.
                     await asyncio.sleep(0)
                 self._close_abandoned()
             except Exception:
                 logger.exception("looking after the live sessions failed")
 
-    def _look_after(self, session: LiveSession, *, publish: bool) -> None:
-        if publish:
+    def _look_after(self, session: LiveSession, turn: int) -> None:
+        if turn % SETTLE_EVERY_TURNS == 0:
             # What follows sees the session as it was last settled: twice a second is often enough.
             session.settle()
         silence_s = time.monotonic() - session.last_arrival_s
@@ -96,7 +97,7 @@ class Housekeeping:
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
             session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
         session.is_being_stored()
-        if publish:
+        if turn % HEALTH_EVERY_TURNS == 0:
             session.publish_health()
         if session.state not in OPEN:
             return

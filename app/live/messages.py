@@ -78,7 +78,7 @@ class SensorHealth(Schema):
 
 
 class HealthMessage(Schema):
-    """Link health, twice a second."""
+    """Link health, once a second."""
 
     type: Literal["health"] = "health"
     sensors: list[SensorHealth]

@@ -1,7 +1,7 @@
 """`/ws/live/{session_id}`: what a dashboard sees of a session, as it happens.
 
 A browser is known by its cookie and its Origin, others by a first message `{"ticket": ...}`. Then come the
-layout, the state, and from then on every change, link health twice a second and frames as binary blocks. A
+layout, the state, and from then on every change, link health once a second and frames as binary blocks. A
 slow client loses frames, never states; nothing it does slows the session. The right is checked again every
 few seconds, and the socket ends when it is lost.
 """

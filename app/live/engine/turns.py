@@ -21,9 +21,9 @@ from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
 
-LONGEST_WAIT_S: Final = 0.010
+LONGEST_WAIT_S: Final = 0.006
 SHORTEST_WAIT_S: Final = 0.004
-WAIT_PER_WORK: Final = 2.0
+WAIT_PER_WORK: Final = 1.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
 
 

@@ -3512,7 +3512,7 @@ export interface components {
         };
         /**
          * HealthMessage
-         * @description Link health, twice a second.
+         * @description Link health, once a second.
          */
         HealthMessage: {
             /** Clock Skew Ppm */

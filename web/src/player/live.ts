@@ -22,8 +22,8 @@ export const HELD_S = 60;
 const KEPT_EVENTS = 200;
 /** Frames come twenty times a second: after so long without one, no number on the page is of now. */
 export const FRESH_S = 1.5;
-/** The health of the sensors comes twice a second: after as long without a word the service is out of reach. */
-export const REACH_S = FRESH_S;
+/** The health of the sensors comes once a second: two of them missing, the service is out of reach. */
+export const REACH_S = 2.5;
 /** A socket that says nothing for so long is opened anew; a network that went away closes nothing. */
 const GIVE_UP_S = 8;
 const WATCH_MS = 250;
