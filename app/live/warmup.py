@@ -2,7 +2,7 @@
 
 A kind of session is warmed up by letting its pipeline run over moments of stillness: `Readiness` does that in threads
 when the service starts, and when somebody opens a session of another kind. What is in no cache yet is compiled by
-another process (this module as a script), because compiling holds the interpreter: live frames would stand still.
+other processes (this module as a script), because compiling holds the interpreter: live frames would stand still.
 """
 
 import asyncio
@@ -36,6 +36,7 @@ PREPARING: Final = say("live.preparing")
 NICENESS: Final = 5
 Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""
+ENGINE: Final = "engine"
 FIRST: Final[Kind] = (ArmPipeline.name, DEFAULT)
 
 
@@ -57,9 +58,14 @@ def warm_up(kind: Kind) -> None:
     A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
     pipeline, orientation = kind
-    for kernel in (unpack, place, unmask, write_blocks, step_arms):
-        cast(Kernel, kernel).prepare()
     kinds()[pipeline].warm_up(orientation)
+    prepare_engine()
+
+
+def prepare_engine() -> None:
+    """Make ready what takes the packets of many sessions together."""
+    for kernel in (step_arms, place, unpack, unmask, write_blocks):
+        cast(Kernel, kernel).prepare()
 
 
 def load_or_compile(kind: Kind) -> None:
@@ -70,11 +76,17 @@ def load_or_compile(kind: Kind) -> None:
         return
     except NotCompiled:
         logger.info("compiling for sessions of kind %s", "/".join(kind))
-    words = [sys.executable, "-m", "app.live.warmup", *kind]
-    failed = subprocess.run(words, stdin=subprocess.DEVNULL, check=False).returncode  # noqa: S603 - our own module
-    if failed:
+    # Two at once: the engine's kernels take longer than those of a pipeline.
+    both = [_compile(ENGINE), _compile(*kind)]
+    failed = [one.wait() for one in both]
+    if any(failed):
         logger.warning("compiling for sessions of kind %s failed; it is done in this process", "/".join(kind))
     warm_up(kind)
+
+
+def _compile(*words: str) -> "subprocess.Popen[bytes]":
+    """Start the process that compiles a kind, or the engine; what both need one of them compiles."""
+    return subprocess.Popen([sys.executable, "-m", __name__, *words], stdin=subprocess.DEVNULL)  # noqa: S603
 
 
 class Readiness:
@@ -156,4 +168,7 @@ def prepare_process() -> None:
 
 if __name__ == "__main__":
     os.nice(NICENESS)
-    warm_up((sys.argv[1], sys.argv[2]))
+    if sys.argv[1] == ENGINE:
+        prepare_engine()
+    else:
+        warm_up((sys.argv[1], sys.argv[2]))
