@@ -67,7 +67,7 @@ def measure(
             memory = Memory(server, idle_mb(server))
             opened = connect(port, asyncio.run(create(port, patient_id, parts)))
             if opened.refusals:
-                print(f"refused   {len(opened.refusals)} sessions: {opened.refusals[0]}")
+                print(f"refused   {len(opened.refusals)} sessions: {opened.refusals[0].message}")
             print(f"running for {seconds:.0f} s ...", flush=True)
             load = Load(opened, server, loss=loss, together=arguments.together)
             begun: dict[str, float] = {}

@@ -4,13 +4,14 @@ import asyncio
 import contextlib
 import json
 import selectors
+import socket
 import struct
 import time
 from array import array
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from heapq import merge
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 import psutil
@@ -18,6 +19,7 @@ import psutil
 from app.gateway import ServiceClient
 from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.live.messages import HealthMessage
+from app.network.messages import GoodbyeMessage
 from tests.benchmarks.live.parts import Part
 from tests.benchmarks.live.sockets import Socket, client_frame
 from tests.benchmarks.service import EMAIL, PASSWORD, new_ticket
@@ -63,6 +65,14 @@ async def create(
 
 
 @dataclass
+class Refusal:
+    """What a gateway that was sent away was told."""
+
+    message: str
+    retry_after_s: float
+
+
+@dataclass
 class Opened:
     """Sessions that were admitted."""
 
@@ -70,41 +80,43 @@ class Opened:
     """By number of the session."""
     ids: list[str] = field(default_factory=list)
     sockets: list[Socket] = field(default_factory=list)
-    """Of gateways and of dashboards."""
-    refusals: list[str] = field(default_factory=list)
-    """The words of who was sent away, and stayed so."""
-    retries_s: list[float] = field(default_factory=list)
-    """When each refusal asked to come again."""
+    """Of gateways and of dashboards, two a session."""
+    refusals: list[Refusal] = field(default_factory=list)
+    """Of who was sent away, and stayed so."""
+
+    def add(self, session: Created, gateway: Socket, dashboard: Socket) -> None:
+        """Note a session that was admitted."""
+        self.parts.append(session.part)
+        self.ids.append(session.id)
+        self.sockets += [gateway, dashboard]
 
 
-def connect(port: int, sessions: Sequence[Created], *, is_patient: bool = True) -> Opened:
-    """Connect the gateway and the dashboard of every session that is admitted.
+def connect_one(port: int, session: Created, number: int, ticket: str) -> tuple[Socket, Socket] | Refusal:
+    """Connect a session's gateway and, when it is admitted, the dashboard."""
+    hello = session.part.hello(ticket).model_dump_json(exclude_none=True)
+    gateway = Socket.open(port, "/ws/ingest", number, hello)
+    answer = json.loads(gateway.first_text())
+    if answer["type"] == "error":
+        gateway.connection.close()
+        return Refusal(answer["message"], answer["details"].get("retry_after_s", np.nan))
+    return gateway, Socket.open(port, f"/ws/live/{session.id}", number, f'{{"ticket": "{session.live}"}}')
 
-    Patient gateways that are sent away come again as they are told.
-    """
+
+def connect(port: int, sessions: Sequence[Created]) -> Opened:
+    """Connect every session that is admitted; gateways that are sent away come again as they are told."""
     opened = Opened()
     deadline = time.monotonic() + PATIENCE_S
     for one in sessions:
-        number, ticket = len(opened.ids), one.ingest
-        while True:
-            hello = one.part.hello(ticket).model_dump_json(exclude_none=True)
-            gateway = Socket.open(port, "/ws/ingest", number, hello)
-            answer = json.loads(gateway.first_text())
-            if answer["type"] != "error":
-                break
-            gateway.connection.close()
-            wait_s = answer["details"].get("retry_after_s", PATIENCE_S)
-            opened.retries_s.append(wait_s)
-            if not is_patient or time.monotonic() + wait_s > deadline:
-                opened.refusals.append(answer["message"])
-                break
-            time.sleep(wait_s)
+        ticket = one.ingest
+        found = connect_one(port, one, len(opened.ids), ticket)
+        while isinstance(found, Refusal) and time.monotonic() + found.retry_after_s < deadline:
+            time.sleep(found.retry_after_s)
             ticket = asyncio.run(new_ticket(port, one.id))
-        if answer["type"] != "error":
-            watcher = Socket.open(port, f"/ws/live/{one.id}", number, f'{{"ticket": "{one.live}"}}')
-            opened.sockets += [gateway, watcher]
-            opened.parts.append(one.part)
-            opened.ids.append(one.id)
+            found = connect_one(port, one, len(opened.ids), ticket)
+        if isinstance(found, Refusal):
+            opened.refusals.append(found)
+        else:
+            opened.add(one, *found)
     return opened
 
 
@@ -151,6 +163,7 @@ class Load:
     Parameters
     ----------
     opened : Opened
+        Sessions that send from the beginning.
     server : Process
         The service, whose processor time is counted.
     loss : float
@@ -162,28 +175,69 @@ class Load:
     def __init__(
         self, opened: Opened, server: psutil.Process, *, loss: float = 0.0, together: bool = False
     ) -> None:
-        self._opened, self._server, self._loss = opened, server, loss
-        phases = np.random.default_rng(1).uniform(0.0, 1.0, len(opened.parts))
-        self._phases = np.zeros_like(phases) if together else phases
+        self._server, self._loss, self._is_together = server, loss, together
+        self._random = np.random.default_rng(1)
         self._selector = selectors.DefaultSelector()
-        for one in opened.sockets:
-            one.connection.setblocking(False)
-            self._selector.register(one.connection, selectors.EVENT_READ, one)
-        self._gateways = {one.session: one.connection for one in opened.sockets if not one.is_live}
-        self._waiting = [bytearray() for _ in opened.parts]
-        self._sent_at = [np.full(len(part.packets), np.nan) for part in opened.parts]
+        self._parts: list[Part] = []
+        self._gateways: list[socket.socket] = []
+        self._waiting: list[bytearray] = []
+        self._is_over: list[bool] = []
+        """Sessions that said goodbye: the service ends their connections."""
+        self._sent_at: list[np.ndarray] = []
+        self._events: list[tuple[float, int, int, bytes]] = []
+        """The next packet of each session: when, whose, its number, its frame."""
+        self._rest: list[Iterator[tuple[float, int, int, bytes]]] = []
         self._start = 0.0
         self._to_epoch = 0.0
         self.outcome = Outcome()
+        for number, part in enumerate(opened.parts):
+            self.add(part, *opened.sockets[2 * number : 2 * number + 2])
 
-    def _events(self, session: int) -> Iterator[tuple[float, int, int, bytes]]:
-        part = self._opened.parts[session]
-        phase_s = float(self._phases[session]) * part.packet_s
+    def add(self, part: Part, gateway: Socket, dashboard: Socket) -> None:
+        """Let a session send from now on."""
+        session = len(self._parts)
+        gateway.session = dashboard.session = session
+        for one in (gateway, dashboard):
+            one.connection.setblocking(False)
+            self._selector.register(one.connection, selectors.EVENT_READ, one)
+        self._parts.append(part)
+        self._gateways.append(gateway.connection)
+        self._waiting.append(bytearray())
+        self._is_over.append(False)
+        self._sent_at.append(np.full(len(part.packets), np.nan))
+        self._rest.append(self._events_of(session, self.now_s))
+        self._advance(session)
+
+    def goodbye(self, session: int) -> None:
+        """Let a session send nothing more, and say so."""
+        self._rest[session] = iter(())
+        self._events = [one for one in self._events if one[1] != session]
+        heapify(self._events)
+        highest = int(np.flatnonzero(np.isfinite(self._sent_at[session]))[-1])
+        message = GoodbyeMessage(last_sequence=highest).model_dump_json()
+        self._send(session, client_frame(message.encode(), opcode=1))
+        self._is_over[session] = True
+
+    @property
+    def now_s(self) -> float:
+        """Time since the load began."""
+        return time.perf_counter() - self._start if self._start else 0.0
+
+    def _events_of(self, session: int, from_s: float) -> Iterator[tuple[float, int, int, bytes]]:
+        part = self._parts[session]
+        from_s += 0.0 if self._is_together else float(self._random.uniform(0.0, part.packet_s))
         for due_s, number, frame in part.events(self._loss, seed=session):
-            yield due_s + phase_s, session, number, frame
+            yield from_s + due_s, session, number, frame
+
+    def _advance(self, session: int) -> None:
+        following = next(self._rest[session], None)
+        if following is not None:
+            heappush(self._events, following)
 
     def run(
-        self, each_minute: Callable[[float], None] | None = None, on_warm: Callable[[], None] | None = None
+        self,
+        each_minute: Callable[[float], None] | None = None,
+        on_warm: Callable[[], None] | None = None,
     ) -> Outcome:
         """Send every packet at its time and read whatever comes meanwhile.
 
@@ -195,11 +249,11 @@ class Load:
             Called where measuring begins.
         """
         outcome, load = self.outcome, psutil.Process()
-        self._start = time.perf_counter() + 0.5
-        self._to_epoch = time.time() - time.perf_counter()
+        self.begin()
         cpu_from: tuple[float, float, float] | None = None
         minute = 1
-        for due_s, session, number, frame in merge(*map(self._events, range(len(self._opened.parts)))):
+        while self._events:
+            due_s = self._events[0][0]
             if cpu_from is None and due_s >= WARM_UP_S:
                 if on_warm is not None:
                     on_warm()
@@ -207,21 +261,48 @@ class Load:
             if each_minute is not None and due_s >= WARM_UP_S + 60.0 * minute:
                 each_minute(minute)
                 minute += 1
-            due = self._start + due_s
-            self._wait_for(due)
-            now = time.perf_counter()
-            outcome.late_ms.append(1e3 * (now - due))
-            self._sent_at[session][number] = now + self._to_epoch
-            self._send(session, frame)
-            outcome.sent += 1
+            self.send_next()
         assert cpu_from is not None
         elapsed = time.perf_counter() - cpu_from[0]
         outcome.server_cpu = (cpu_s(self._server) - cpu_from[1]) / elapsed
         outcome.load_cpu = (cpu_s(load) - cpu_from[2]) / elapsed
-        for _ in range(30):
-            self._send_rest()
-            self._read_until(time.perf_counter() + 0.1)
+        self.end()
         return outcome
+
+    def begin(self) -> None:
+        """Begin in half a second."""
+        self._start = time.perf_counter() + 0.5
+        self._to_epoch = time.time() - time.perf_counter()
+
+    def end(self) -> None:
+        """Send what the connections did not take, and read for three seconds more."""
+        for _ in range(30):
+            for session, waiting in enumerate(self._waiting):
+                if waiting:
+                    self._send(session, b"")
+            self.read_for(0.1)
+
+    def send_next(self) -> None:
+        """Wait until the next packet is due, and send it."""
+        due_s, session, number, frame = heappop(self._events)
+        self._advance(session)
+        due = self._start + due_s
+        self._wait_for(due)
+        now = time.perf_counter()
+        self.outcome.late_ms.append(1e3 * (now - due))
+        self._sent_at[session][number] = now + self._to_epoch
+        self._send(session, frame)
+        self.outcome.sent += 1
+
+    def drive_until(self, until_s: float) -> bool:
+        """Send what is due before a moment of the load; False where no session sends."""
+        while self._events and self._events[0][0] < until_s:
+            self.send_next()
+        return bool(self._events)
+
+    def read_for(self, seconds: float) -> None:
+        """Read what comes for a while."""
+        self._read_until(time.perf_counter() + seconds)
 
     def _send(self, session: int, frame: bytes) -> None:
         """Send a frame, or as much as the connection takes: the rest waits, as it would in a gateway."""
@@ -229,11 +310,6 @@ class Load:
         waiting += frame
         with contextlib.suppress(BlockingIOError):
             del waiting[: self._gateways[session].send(waiting)]
-
-    def _send_rest(self) -> None:
-        for session, waiting in enumerate(self._waiting):
-            if waiting:
-                self._send(session, b"")
 
     def _wait_for(self, due: float) -> None:
         """Return when a packet is due, or at once; reading then, many sockets together, costs the machine least."""
@@ -251,7 +327,15 @@ class Load:
 
     def _take(self, one: Socket) -> None:
         outcome = self.outcome
-        for opcode, payload in one.read():
+        try:
+            found = one.read()
+        except ConnectionError:
+            if not self._is_over[one.session]:
+                raise
+            self._selector.unregister(one.connection)
+            one.connection.close()
+            return
+        for opcode, payload in found:
             if one.is_live and opcode == 2:
                 self._frame(one.session, payload)
             elif opcode == 1:
@@ -270,7 +354,7 @@ class Load:
         sent = self._sent_at[session]
         if number >= len(sent) or not sent[number] - self._start - self._to_epoch >= WARM_UP_S:
             return
-        found = self.outcome.of_part[self._opened.parts[session].name]
+        found = self.outcome.of_part[self._parts[session].name]
         found.published_ms.append(1e3 * (published - sent[number]))
         found.received_ms.append(1e3 * (now - sent[number]))
         found.sent_s.append(sent[number] - self._start - self._to_epoch)

@@ -22,8 +22,8 @@ from estimators.simulation.faults import LinkFaults, plan_delivery
 from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session
 from tests.benchmarks.live.sockets import client_frame
 
-REPEATED_S = 60.0
-"""So much of a movement is simulated; what is longer begins anew, with a jump."""
+SHORTEST_S, REPEATED_S = 15.0, 60.0
+"""So much of a movement is simulated, for at least one repetition; what is longer begins anew, with a jump."""
 RESENT_AFTER_S = 1.1
 """A gateway brings what is missing a second after it sent it, see `app.gateway.client`."""
 
@@ -97,7 +97,9 @@ def moving_arms(seconds: float) -> tuple[DeviceStream, dict[str, Any]]:
         both_arms=True,
         exercise="drinking",
         placements=PLACEMENTS,
-        schedule=Schedule(n_pose_s=10.0, repetitions=None, duration_s=min(seconds, REPEATED_S) + 10.0),
+        schedule=Schedule(
+            n_pose_s=10.0, repetitions=None, duration_s=min(max(seconds, SHORTEST_S), REPEATED_S) + 10.0
+        ),
     )
     simulated = simulate_arm(scenario)
     _, setup = pipelines.run(simulated.recording, simulated.setup, pose_s=(5.0, 9.0))

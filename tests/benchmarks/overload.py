@@ -1,0 +1,314 @@
+"""Twice as many sessions as the machine carries, and a device that floods: `python -m tests.benchmarks.overload`.
+
+The real service on a fresh SQLite file; in this other process the gateways and dashboards.
+
+First sessions of 17 sensors come one after the other and stream at once. Where the first is sent away is what the
+machine carries; as many again knock, and come again as they are told. Then half of those that stream end. Required:
+frames of all that were admitted stay below 100 ms at the 99th percentile; whoever is sent away gets a sentence and a
+time; the memory stays where it is; within 5 s of the end somebody new is admitted, and frames are below 50 ms.
+
+Then, on a service of its own, a device sends as fast as its connection takes it, beside sessions that send as they
+should. Required: its own session is slowed to the speed that the service allows, and its neighbours' frames stay below
+50 ms.
+
+On a machine that does other work latencies are upper bounds.
+"""
+
+import argparse
+import asyncio
+import multiprocessing
+import queue
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import psutil
+
+from app.gateway import ServiceClient
+from app.network.pace import BURST_S
+from app.settings import Settings
+from tests.benchmarks.live.load import (
+    WARM_UP_S,
+    Created,
+    Load,
+    Opened,
+    Refusal,
+    connect,
+    connect_one,
+    create,
+)
+from tests.benchmarks.live.parts import Part, arms
+from tests.benchmarks.live.report import LIMIT_MS, heading, judge, machine, row
+from tests.benchmarks.live.sockets import Socket
+from tests.benchmarks.live.watching import Memory, idle_mb, stored
+from tests.benchmarks.service import EMAIL, PASSWORD, free_port, make_patient, start_server
+
+OVERLOAD_MS, RECOVERY_S = 100.0, 5.0
+MEMORY_GROWTH = 1.1
+ARRIVAL_S = 0.2
+"""Between two sessions that come."""
+AGAIN_S = 0.5
+"""Who wants to know when there is room again asks so often."""
+NEIGHBOURS = 20
+
+
+@contextmanager
+def service(calibration: dict[str, object]) -> Iterator[tuple[int, str, psutil.Process, Path]]:
+    """Run a service; yields its port, its patient, its process and its folder."""
+    with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
+        folder = Path(name)
+        url, patient_id = make_patient(folder, calibration)
+        port = free_port()
+        process = start_server(url, folder, port)
+        try:
+            yield port, patient_id, psutil.Process(process.pid), folder
+        finally:
+            process.terminate()
+            process.wait(60)
+
+
+@dataclass
+class Door:
+    """Sessions that come one after the other, from a thread of their own: who is sent away comes again as told.
+
+    Attributes
+    ----------
+    carried : int
+        Sessions that were in when the first was sent away; 0 before.
+    """
+
+    port: int
+    sessions: list[Created]
+    admitted: "queue.Queue[tuple[Created, Socket, Socket]]" = field(default_factory=queue.Queue)
+    refusals: list[Refusal] = field(default_factory=list)
+    carried: int = 0
+    count: int = 0
+    is_over: bool = False
+
+    def __post_init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._client = ServiceClient(f"http://127.0.0.1:{self.port}")
+        self._loop.run_until_complete(self._client.sign_in(EMAIL, PASSWORD))
+
+    def run(self) -> None:
+        """Let sessions in until it is over; twice as many come as the machine carries."""
+        coming = [(time.monotonic() + ARRIVAL_S * number, one) for number, one in enumerate(self.sessions)]
+        knocked: set[str] = set()
+        while coming and not self.is_over:
+            coming.sort(key=lambda one: one[0])
+            at_s, session = coming.pop(0)
+            if session.id not in knocked and self.carried and len(knocked) >= 2 * self.carried:
+                continue
+            time.sleep(max(0.0, at_s - time.monotonic()))
+            again_s = self.knock(session, is_new=session.id not in knocked)
+            knocked.add(session.id)
+            if again_s is not None:
+                coming.append((time.monotonic() + again_s, session))
+
+    def knock(self, session: Created, *, is_new: bool) -> float | None:
+        """Try to connect; returns when to come again, None when the session is in."""
+        ticket = session.ingest
+        if not is_new:
+            ticket = self._loop.run_until_complete(self._client.ticket(session.id))
+        found = connect_one(self.port, session, 0, ticket)
+        if isinstance(found, Refusal):
+            self.carried = self.carried or self.count
+            self.refusals.append(found)
+            return found.retry_after_s
+        self.count += 1
+        self.admitted.put((session, *found))
+        return None
+
+
+def overload(part: Part, calibration: dict[str, object], most: int, hold_s: float) -> bool:
+    """Print what a machine does with twice what it carries; True when all that is required is met."""
+    with service(calibration) as (port, patient_id, server, folder):
+        made = asyncio.run(create(port, patient_id, [(part, most)]))
+        memory = Memory(server, idle_mb(server))
+        door, load = Door(port, made), Load(Opened(), server)
+        thread = threading.Thread(target=door.run, daemon=True)
+        load.begin()
+        thread.start()
+        entered: list[Created] = []
+
+        def drive(seconds: float) -> None:
+            until_s = load.now_s + seconds
+            while load.now_s < until_s:
+                with suppress(queue.Empty):
+                    while True:
+                        session, gateway, dashboard = door.admitted.get_nowait()
+                        load.add(session.part, gateway, dashboard)
+                        entered.append(session)
+                if not load.drive_until(min(until_s, load.now_s + 0.1)):
+                    load.read_for(0.02)
+
+        while not door.carried and len(entered) < most:
+            drive(1.0)
+        if not door.carried:
+            print(f"this machine carries all {most} sessions: let more come, with --most")
+            return False
+        print(f"carries   {door.carried} sessions; as many again knock", flush=True)
+        drive(ARRIVAL_S * door.carried + 2.0)
+        full_s, count = load.now_s, len(entered)
+        memory.note(0.0)
+        drive(hold_s)
+        memory.note(hold_s / 60.0)
+        held_s = load.now_s
+        door.is_over = True
+        thread.join(60.0)
+        for session in range(0, len(entered), 2):
+            load.goodbye(session)
+        outside = next(one for one in made if one.id not in {session.id for session in entered})
+        back_s = recover(load, door, outside)
+        drive(RECOVERY_S)
+        load.end()
+        kept = stored(folder, [one.id for one in entered])["raw"][1] // 5
+    return report(load, door, memory, (full_s, held_s, count, back_s, kept))
+
+
+def recover(load: Load, door: Door, outside: Created) -> float:
+    """Go on sending until somebody who was sent away is admitted; returns when, seconds after the load has ended."""
+    ended_s = load.now_s
+    while load.now_s < ended_s + 60.0:
+        load.drive_until(load.now_s + AGAIN_S)
+        before = door.count
+        door.knock(outside, is_new=False)
+        if door.count > before:
+            return load.now_s - ended_s
+    return float("inf")
+
+
+def report(load: Load, door: Door, memory: Memory, found: tuple[float, float, int, float, int]) -> bool:
+    """Print what overload did."""
+    full_s, held_s, count, back_s, kept = found
+    outcome = load.outcome
+    sent_s, published_ms = outcome.sent_s, outcome.published_ms
+    during = published_ms[(sent_s >= full_s) & (sent_s < held_s)]
+    after = published_ms[sent_s >= held_s + RECOVERY_S]
+    told = [one for one in door.refusals if one.message and one.retry_after_s > 0.0]
+    print(f"\nmachine   {machine()}")
+    print(
+        f"load      {2 * door.carried} sessions came, {count} streamed, sent away {len(door.refusals)} times"
+    )
+    print(f"told      {door.refusals[0].message} Again after {door.refusals[0].retry_after_s:.0f} s.")
+    print(heading())
+    print(row("all that the machine takes, published", during))
+    print(row("5 s after half of them have ended", after))
+    print(row("load generator late", outcome.late_ms))
+    begun, ended = memory.minutes[0][1], memory.minutes[-1][1]
+    high, later = float(np.percentile(during, 99)), float(np.percentile(after, 99))
+    return judge(
+        {
+            f"p99 below {OVERLOAD_MS:.0f} ms while twice as many want in": (
+                high < OVERLOAD_MS,
+                f"{high:.1f} ms",
+            ),
+            "a sentence and a time for everybody sent away": (
+                len(told) == len(door.refusals),
+                f"{len(told)} of {len(door.refusals)}",
+            ),
+            "memory stays where it is": (ended < MEMORY_GROWTH * begun, f"{begun:.0f} to {ended:.0f} MB"),
+            f"room again within {RECOVERY_S:.0f} s": (back_s < RECOVERY_S, f"{back_s:.1f} s"),
+            f"p99 below {LIMIT_MS:.0f} ms after that": (later < LIMIT_MS, f"{later:.1f} ms"),
+            "every packet stored": (kept == outcome.sent, f"{kept} of {outcome.sent}"),
+        }
+    )
+
+
+def flooding(port: int, session: Created, seconds: float, told: "multiprocessing.Queue[int]") -> None:
+    """Send as fast as the connection takes it, from a process of its own; tells how many packets that were."""
+    found = connect_one(port, session, 0, session.ingest)
+    assert not isinstance(found, Refusal), found
+    gateway, dashboard = found
+    threading.Thread(target=swallow, args=(gateway,), daemon=True).start()
+    threading.Thread(target=swallow, args=(dashboard,), daemon=True).start()
+    until, sent = time.monotonic() + seconds, 0
+    gateway.connection.settimeout(1.0)
+    for frame in session.part.frames:
+        view = memoryview(frame)
+        while view and time.monotonic() < until:
+            with suppress(TimeoutError):
+                view = view[gateway.connection.send(view) :]
+        if view:
+            break
+        sent += 1
+    told.put(sent)
+
+
+def swallow(one: Socket) -> None:
+    """Read and forget."""
+    with suppress(OSError):
+        while one.connection.recv(1 << 18):
+            pass
+
+
+def flood(part: Part, calibration: dict[str, object], seconds: float) -> bool:
+    """Print what neighbours notice of a device that floods; True when all that is required is met."""
+    spawn = multiprocessing.get_context("spawn")
+    speed = float(Settings.model_fields["stream_speed_limit"].default)
+    rest, _ = arms(speed * seconds + 2.0 * BURST_S)
+    with service(calibration) as (port, patient_id, server, folder):
+        made = asyncio.run(create(port, patient_id, [(part, NEIGHBOURS), (rest, 1)]))
+        opened = connect(port, made[:-1])
+        load = Load(opened, server)
+        told: multiprocessing.Queue[int] = spawn.Queue()
+        flooder = spawn.Process(target=flooding, args=(port, made[-1], seconds, told), daemon=True)
+        flooder.start()
+        outcome = load.run()
+        flooded = told.get(timeout=60.0)
+        flooder.kill()
+        kept = stored(folder, opened.ids)["raw"][1] // 5
+        taken = stored(folder, [made[-1].id])["raw"][1] // 5
+    # What the buffers of the connection hold is sent, but not read.
+    read_s = taken * part.packet_s
+    allowed_s = speed * seconds + BURST_S
+    print(heading("latency of the neighbours, ms"))
+    print(row("packet sent -> frame published", outcome.published_ms))
+    print(row("load generator late", outcome.late_ms))
+    print(
+        f"flooding  {flooded} packets sent in {seconds:.0f} s, {taken} taken: {read_s / seconds:.1f} times real time"
+    )
+    high = float(np.percentile(outcome.published_ms, 99))
+    return judge(
+        {
+            f"neighbours' p99 below {LIMIT_MS:.0f} ms": (high < LIMIT_MS, f"{high:.1f} ms"),
+            "no packet of theirs lost": (kept == outcome.sent, f"{kept} of {outcome.sent}"),
+            f"at most {speed:.0f} times real time and {BURST_S:.0f} s at once taken of the flood": (
+                0 < read_s <= 1.1 * allowed_s,
+                f"{read_s:.0f} of {allowed_s:.0f} s",
+            ),
+        }
+    )
+
+
+def main() -> int:
+    """Overload a service, then flood one."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "--most", type=int, default=500, help="sessions that come until the first is sent away"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=30.0, help="how long the overload, and the flood, last"
+    )
+    parser.add_argument("--only", choices=("overload", "flood"))
+    arguments = parser.parse_args()
+    # Sessions stream from when they come until all is over; each arrives a while after the one before.
+    longest_s = 2.0 * ARRIVAL_S * arguments.most + arguments.seconds + 120.0
+    is_met = True
+    if arguments.only != "flood":
+        part, calibration = arms(longest_s)
+        is_met = overload(part, calibration, arguments.most, arguments.seconds)
+    if arguments.only != "overload":
+        part, calibration = arms(arguments.seconds + WARM_UP_S)
+        is_met = flood(part, calibration, arguments.seconds) and is_met
+    return 0 if is_met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
