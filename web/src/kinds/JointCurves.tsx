@@ -1,5 +1,6 @@
 import { useMemo, useState } from 'react';
-import { Traces } from '../charts/Traces';
+import { PhaseLegend } from '../charts/PhaseChart';
+import { Traces, type TemplateAt } from '../charts/Traces';
 import { ChannelPicker } from '../components/forms/ChannelPicker';
 import { t } from '../i18n';
 import { preferredAngles } from '../lib/channels';
@@ -11,6 +12,8 @@ export interface JointCurvesProps extends LiveProps {
   isTitleHidden?: boolean;
   /** Drawn before the angles that were chosen. */
   always?: readonly string[];
+  /** What the patient follows, drawn behind the curves. */
+  templateAt?: TemplateAt;
 }
 
 /** The joint angles of a live session, those of its exercise first; others are chosen from a list. */
@@ -23,6 +26,7 @@ export function JointCurves({
   title,
   isTitleHidden,
   always = NONE,
+  templateAt,
 }: JointCurvesProps) {
   const [chosen, setChosen] = useState<string[] | null>(null);
   const angles = columns?.layout.angles ?? session.layout.angles;
@@ -45,10 +49,16 @@ export function JointCurves({
           <h2 id={id}>{title}</h2>
         </div>
       )}
+      {templateAt && shown.length > 0 && (
+        <div className="curves-legend">
+          <PhaseLegend withOutside={false} patient />
+        </div>
+      )}
       {shown.length > 0 ? (
         <Traces
           player={player}
           channels={shown}
+          templateAt={templateAt}
           tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />}
         />
       ) : (

@@ -27,6 +27,10 @@ export const REACH_S = 2.5;
 /** A socket that says nothing for so long is opened anew; a network that went away closes nothing. */
 const GIVE_UP_S = 8;
 const WATCH_MS = 250;
+/** Phases come twenty times a second while something moves: what lies further apart is not joined. */
+const PHASE_GAP_S = 0.5;
+/** A phase that goes back by less is the same repetition, known better. */
+const BACK = 0.1;
 const EMPTY: Stretch = { timeS: new Float64Array(0), values: [], isComplete: false };
 
 export interface LiveSnapshot extends PlayerSnapshot {
@@ -77,6 +81,8 @@ export class LivePlayer implements Player {
   readonly #socket: ReturningSocket;
   readonly #latency: LatencyMeter;
   #ring: FrameRing | null = null;
+  /** Where along the template the patient was, oldest first, as long as the frames are held; null at rest. */
+  #phases: { timeS: number; phase: number | null }[] = [];
   /** Session time at which the picture was paused; frames go on being collected. */
   #pausedAtS: number | null = null;
   #lastFrameS: number | null = null;
@@ -121,6 +127,23 @@ export class LivePlayer implements Player {
 
   read(startS: number, endS: number, columns: readonly string[]): Stretch {
     return this.#ring?.read(startS, endS, columns) ?? EMPTY;
+  }
+
+  /** Where along the template the patient was at a session time, 0 to 100; null at rest and where it is not known. */
+  templatePhaseAt(timeS: number): number | null {
+    // Asked for every sample of every curve: halved, not walked through.
+    let [before, after] = [-1, this.#phases.length];
+    while (after - before > 1) {
+      const middle = (before + after) >> 1;
+      if ((this.#phases[middle]?.timeS ?? Infinity) < timeS) before = middle;
+      else after = middle;
+    }
+    const [low, high] = [this.#phases[before], this.#phases[after]];
+    if (low?.phase == null || high?.phase == null || high.timeS - low.timeS > PHASE_GAP_S) return null;
+    // A new repetition begins at the beginning: no line leads back to it.
+    if (high.phase < low.phase - BACK) return null;
+    const share = (timeS - low.timeS) / (high.timeS - low.timeS || 1);
+    return 100 * (low.phase + share * (high.phase - low.phase));
   }
 
   play(): void {
@@ -219,10 +242,16 @@ export class LivePlayer implements Player {
     const sign = (one: GuidanceMessage | null) =>
       one && JSON.stringify([one.status, one.cause, one.counts, one.goal, one.last, one.cue, one.cue_number]);
     if (sign(message) !== sign(this.#store.get().guidance)) this.#store.set({ guidance: message });
+    const last = this.#phases.at(-1);
+    if (last && message.time_s < last.timeS) this.#phases = this.#phases.filter((one) => one.timeS < message.time_s);
+    if (last?.timeS !== message.time_s) this.#phases.push({ timeS: message.time_s, phase: message.phase ?? null });
+    const first = this.#phases.findIndex((one) => one.timeS >= message.time_s - HELD_S);
+    if (first > 0) this.#phases.splice(0, first);
   }
 
   #forget(ring: FrameRing): void {
     this.#ring = ring;
+    this.#phases = [];
     this.#pausedAtS = null;
     this.#store.set({ epoch: this.#store.get().epoch + 1, isPlaying: true });
   }

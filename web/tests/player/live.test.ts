@@ -63,6 +63,35 @@ describe('LivePlayer', () => {
     expect(player.read(0, 10, ['elbow']).timeS).toHaveLength(0);
   });
 
+  it('knows where along the template the patient was, and nothing where it does not know it', () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    const counts = { valid: 0, partial: 0, wrong: 0 };
+    const say = (time_s: number, phase: number | null) =>
+      FakeSocket.last.say({ type: 'guidance', status: 'moving', time_s, phase, counts });
+    expect(player.templatePhaseAt(1)).toBeNull();
+    say(1.0, null);
+    say(1.1, 0.2);
+    say(1.2, 0.4);
+    say(1.3, 0.05);
+    say(2.3, 0.5);
+    say(2.4, 0.6);
+    expect(player.templatePhaseAt(1.05)).toBeNull();
+    expect(player.templatePhaseAt(1.15)).toBeCloseTo(30);
+    expect(player.templatePhaseAt(1.2)).toBeCloseTo(40);
+    expect(player.templatePhaseAt(1.25)).toBeNull();
+    expect(player.templatePhaseAt(1.8)).toBeNull();
+    expect(player.templatePhaseAt(2.375)).toBeCloseTo(57.5);
+    expect(player.templatePhaseAt(3)).toBeNull();
+    // A service that was restarted speaks of an earlier time again.
+    say(1.15, 0.5);
+    say(1.25, 0.7);
+    expect(player.templatePhaseAt(1.2)).toBeCloseTo(60);
+    expect(player.templatePhaseAt(2.375)).toBeNull();
+    say(70, 0.1);
+    expect(player.templatePhaseAt(1.2)).toBeNull();
+  });
+
   it('refuses another protocol version in words and does not try again', () => {
     FakeSocket.last.accept();
     FakeSocket.last.say(layoutMessage({ protocol_version: 99 }));

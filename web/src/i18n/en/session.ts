@@ -165,7 +165,7 @@ export const session = {
   'traces.pause': 'Pause the curves',
   'traces.resume': 'Continue',
   'traces.paused': 'Paused. The session continues.',
-  'traces.band': 'The band is the uncertainty (two standard deviations).',
+  'traces.band': 'The band around the patient’s curve is the uncertainty (two standard deviations).',
   'traces.none': 'No joint angles yet. They appear after calibration.',
   'traces.angle': 'Angle',
   'traces.now': 'Now',

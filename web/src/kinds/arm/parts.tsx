@@ -4,9 +4,13 @@ import { JointCurves } from '../JointCurves';
 import type { KindParts, LiveProps } from '../kind';
 import { BeginArm } from './BeginArm';
 import { SessionActions } from './SessionActions';
+import { useFollowed } from './useFollowed';
 
-const Curves = (props: LiveProps) =>
-  props.columns && <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden />;
+function Curves(props: LiveProps) {
+  const templateAt = useFollowed(props);
+  if (!props.columns) return null;
+  return <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden templateAt={templateAt} />;
+}
 
 export const parts: KindParts = {
   Begin: BeginArm,
