@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
+from app.assessment.course.bands import beside_other_side
 from app.assessment.design.compiled import drawn_template, tolerance_scale_of
 from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
@@ -25,6 +26,7 @@ from app.errors import InvalidInput, NotFound
 from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.models import Template as TemplateRow
 from app.pages import Page
+from app.patients.models import Patient
 from app.recordings import repository as recordings
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
@@ -222,12 +224,16 @@ def detail(session: Session, subject: Subject, comparison_id: str) -> Comparison
     template = drawn_template(version, scale=tolerance_scale_of(session, session_row, version.template_id))
     if template.channels != compared.channels:
         template = mirror_template(template)
+    out = _out(found, template_row.name)
+    patient = session.get_one(Patient, session_row.patient_id)
+    exercise = session.get(Exercise, session_row.exercise_id) if session_row.exercise_id else None
     return ComparisonDetail(
-        **_out(found, template_row.name).model_dump(),
+        **out.model_dump(),
         repetitions=[repetition_comparison(one, template) for one in compared.repetitions],
         curves=phase_curves_out(template, [one.aligned for one in compared.repetitions]),
         phases=phases_out(template),
         findings=list(compared.findings),
+        other_side=beside_other_side(session, patient, exercise, out.summary),
     )
 
 

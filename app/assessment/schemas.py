@@ -61,6 +61,21 @@ class ComparisonOut(Spoken):
     summary: list[MeasureValue]
 
 
+class OtherSide(Schema):
+    """A measure of a session beside that of the newest session with the unaffected side."""
+
+    measure: str
+    label: str
+    unit: str
+    value: float
+    other_value: float
+    other_count: int
+    symmetry_ratio: float
+    """ln(affected side / other side)."""
+    symmetry_ratio_sigma: float
+    symmetry_angle_percent: float
+
+
 class ComparisonDetail(ComparisonOut, Spoken):
     """A comparison with everything a page draws."""
 
@@ -71,6 +86,8 @@ class ComparisonDetail(ComparisonOut, Spoken):
     """As the therapist named them on the template."""
     findings: list[str]
     """Plain sentences, compensation first; beside what leaves the band at most three."""
+    other_side: list[OtherSide] = Field(default_factory=list)
+    """Where the exercise is one of the affected side and its twin was practised; nothing of what may be nothing."""
 
 
 class CaseloadRow(Spoken):

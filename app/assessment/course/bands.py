@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from sqlalchemy import select
@@ -9,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from app.assessment.course.norms import norm_of
 from app.assessment.measures import SessionValue, session_values
-from app.assessment.schemas import ProgressBand
+from app.assessment.schemas import MeasureValue, OtherSide, ProgressBand
 from app.exercises.models import Exercise
 from app.patients.models import Patient
 from app.sentences import say
@@ -70,6 +71,56 @@ def walked_other_side(patient: Patient, values: Sequence[SessionValue]) -> dict[
     }
 
 
+@dataclass(frozen=True)
+class _Reading:
+    """What symmetry needs of a value: mean, spread between repetitions and their number."""
+
+    mean: float
+    spread: float | None
+    count: int
+
+
+def beside_other_side(
+    session: Session, patient: Patient, exercise: Exercise | None, summary: Sequence[MeasureValue]
+) -> list[OtherSide]:
+    """Return the measures of one session beside those of the newest session with the unaffected side.
+
+    Parameters
+    ----------
+    session : Session
+    patient : Patient
+        Access was checked.
+    exercise : Exercise or None
+        Of the session.
+    summary : sequence of MeasureValue
+        Of the session's comparison.
+    """
+    others = other_side_values(session, patient, exercise)
+    found = []
+    for one in summary:
+        other = others.get(one.measure)
+        if other is None or one.value is None:
+            continue
+        here, there = _Reading(one.value, one.uncertainty, one.count), _reading(other)
+        symmetry = _symmetry(patient.affected_side or "", here, there)
+        if symmetry is None:
+            continue
+        found.append(
+            OtherSide(
+                measure=one.measure,
+                label=one.label,
+                unit=one.unit,
+                value=here.mean,
+                other_value=there.mean,
+                other_count=there.count,
+                symmetry_ratio=symmetry.ratio,
+                symmetry_ratio_sigma=symmetry.ratio_sigma,
+                symmetry_angle_percent=symmetry.angle_percent,
+            )
+        )
+    return found
+
+
 def bands_of(
     patient: Patient, newest: SessionValue, others: Mapping[str, SessionValue]
 ) -> list[ProgressBand]:
@@ -100,28 +151,45 @@ def bands_of(
 
 def _other_side(affected: str, newest: SessionValue, other: SessionValue) -> ProgressBand:
     spread = other.spread or 0.0
-    sigma = max(_standard_error(newest), _standard_error(other))
-    ratio = symmetry_ratio(newest.mean, other.mean, sigma)
-    left, right = (newest, other) if affected == "left" else (other, newest)
-    angle = symmetry_angle(left.mean, right.mean, sigma)
-    known = np.isfinite(ratio)
+    symmetry = _symmetry(affected, _reading(newest), _reading(other))
     return ProgressBand(
         kind="other_side",
         low=other.mean - spread,
         high=other.mean + spread,
         text=say("progress.other_side", side=_mirrored(affected), count=other.count),
         value=other.mean,
-        symmetry_ratio=ratio if known else None,
-        symmetry_ratio_sigma=float(
-            np.hypot(_standard_error(newest) / newest.mean, _standard_error(other) / other.mean)
-        )
-        if known
-        else None,
-        symmetry_angle_percent=100.0 * angle if known else None,
+        symmetry_ratio=symmetry and symmetry.ratio,
+        symmetry_ratio_sigma=symmetry and symmetry.ratio_sigma,
+        symmetry_angle_percent=symmetry and symmetry.angle_percent,
     )
 
 
-def _standard_error(value: SessionValue) -> float:
+@dataclass(frozen=True)
+class _Symmetry:
+    ratio: float
+    ratio_sigma: float
+    angle_percent: float
+
+
+def _symmetry(affected: str, newest: _Reading, other: _Reading) -> _Symmetry | None:
+    """Return how alike both sides are; None where one of them may be nothing."""
+    sigma = max(_standard_error(newest), _standard_error(other))
+    ratio = symmetry_ratio(newest.mean, other.mean, sigma)
+    if not np.isfinite(ratio):
+        return None
+    left, right = (newest, other) if affected == "left" else (other, newest)
+    return _Symmetry(
+        ratio,
+        float(np.hypot(_standard_error(newest) / newest.mean, _standard_error(other) / other.mean)),
+        100.0 * symmetry_angle(left.mean, right.mean, sigma),
+    )
+
+
+def _reading(value: SessionValue) -> _Reading:
+    return _Reading(value.mean, value.spread, value.count)
+
+
+def _standard_error(value: _Reading) -> float:
     return 0.0 if value.spread is None else value.spread / float(np.sqrt(max(value.count, 1)))
 
 
@@ -129,4 +197,4 @@ def _mirrored(name: str) -> str:
     return _SIDE.sub(lambda found: "right" if found.group() == "left" else "left", name)
 
 
-__all__ = ["bands_of", "other_side_values", "walked_other_side"]
+__all__ = ["bands_of", "beside_other_side", "other_side_values", "walked_other_side"]

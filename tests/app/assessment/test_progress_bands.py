@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from sqlalchemy import event
 
+from app.assessment.course.bands import beside_other_side
 from app.assessment.course.norms import norm_of
+from app.assessment.schemas import MeasureValue
 from app.database.base import utc_now
-from app.database.unit_of_work import unit_of_work
+from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise
 from app.patients.models import Patient
 
@@ -58,6 +60,40 @@ def test_the_other_side_is_a_band_with_symmetry(history, therapist, world):
     assert band["symmetry_ratio_sigma"] == pytest.approx(1 / 50)
     assert "left" in band["text"]
     assert band["sentences"]["text"]["code"] == "progress.other_side"
+
+
+def test_a_comparison_stands_beside_the_newest_session_of_the_other_side(history, world):
+    """As above, of one session's own summary; what the other side never did is left out."""
+    twin = with_twin(history, world)
+    mirrored = MEASURE.replace("right", "left")
+    history.session(9, [20.0, 22.0], measure=mirrored, exercise_id=twin)
+    history.session(8, [49.0, 51.0], measure=mirrored, exercise_id=twin)
+
+    def summary(measure: str, value: float | None) -> MeasureValue:
+        return MeasureValue(
+            measure=measure,
+            label="Elevation",
+            value=value,
+            unit="rad",
+            uncertainty=2.0,
+            count=4,
+            template_value=60.0,
+            group="range",
+        )
+
+    with read_only(history.engine) as session:
+        patient = session.get_one(Patient, world.patient_id)
+        own, other = (session.get_one(Exercise, one) for one in (world.exercise_id, twin))
+        (found,) = beside_other_side(
+            session, patient, own, [summary(MEASURE, 40.0), summary("duration", 3.0)]
+        )
+        assert beside_other_side(session, patient, own, [summary(MEASURE, None)]) == []
+        assert beside_other_side(session, patient, other, [summary(mirrored, 40.0)]) == []
+    assert (found.value, found.other_value, found.other_count) == pytest.approx((40.0, 50.0, 2))
+    assert found.symmetry_ratio == pytest.approx(-0.2231, abs=1e-4)
+    assert found.symmetry_angle_percent == pytest.approx(-7.04, abs=0.005)
+    # Standard errors of 1 in 40 and of 1 in 50.
+    assert found.symmetry_ratio_sigma == pytest.approx(np.hypot(1 / 40, 1 / 50))
 
 
 def test_symmetry_of_what_may_be_nothing_is_unknown(history, therapist, world):

@@ -2625,6 +2625,8 @@ export interface components {
             findings: string[];
             /** Id */
             id: string;
+            /** Other Side */
+            other_side?: components["schemas"]["OtherSide"][];
             /** Phases */
             phases?: components["schemas"]["PhaseDesign"][];
             /** Repetition Count */
@@ -4155,6 +4157,30 @@ export interface components {
             state: "created" | "calibrating" | "ready" | "recording" | "link_lost" | "closing" | "analysed" | "failed";
             /** Ticket */
             ticket: string;
+        };
+        /**
+         * OtherSide
+         * @description A measure of a session beside that of the newest session with the unaffected side.
+         */
+        OtherSide: {
+            /** Label */
+            label: string;
+            /** Measure */
+            measure: string;
+            /** Other Count */
+            other_count: number;
+            /** Other Value */
+            other_value: number;
+            /** Symmetry Angle Percent */
+            symmetry_angle_percent: number;
+            /** Symmetry Ratio */
+            symmetry_ratio: number;
+            /** Symmetry Ratio Sigma */
+            symmetry_ratio_sigma: number;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number;
         };
         /**
          * PaceDesign

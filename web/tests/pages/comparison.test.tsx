@@ -51,6 +51,19 @@ const open = () =>
               note: UNDEFINED,
             }),
           ],
+          other_side: [
+            {
+              measure: 'range:a',
+              label: 'Elbow flexion, range of motion',
+              unit: 'rad',
+              value: (40 * Math.PI) / 180,
+              other_value: (50 * Math.PI) / 180,
+              other_count: 2,
+              symmetry_ratio: Math.log(0.8),
+              symmetry_ratio_sigma: 0.03,
+              symmetry_angle_percent: -7.04,
+            },
+          ],
         } as unknown as ComparisonDetail
       }
     />,
@@ -58,6 +71,16 @@ const open = () =>
   );
 
 describe('the measures of a comparison', () => {
+  it('stand beside those of the other side, with how alike both are', async () => {
+    open();
+    await userEvent.click(screen.getByText('Beside the other side', { selector: 'summary' }));
+    const table = within(screen.getByRole('table', { name: 'Beside the other side' }));
+    const row = within(table.getByRole('row', { name: /Elbow flexion/ }));
+    expect(row.getByText('The affected side is 20 % ± 2 less (symmetry angle −7.0 %)')).toBeTruthy();
+    expect(row.getByText('40°')).toBeTruthy();
+    expect(row.getByText(/50°/)).toBeTruthy();
+  });
+
   it('have unit, uncertainty and count, and say why one is undefined', async () => {
     open();
     await userEvent.click(screen.getByText('All measures', { selector: 'summary' }));

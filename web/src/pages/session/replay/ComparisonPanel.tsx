@@ -6,6 +6,7 @@ import { Link } from 'react-router';
 import { useCompare, useTemplates } from '../../../api/queries';
 import type { ComparisonDetail, MeasureValue, PhaseCurve, SessionDetail } from '../../../api/types';
 import { PhaseChart, PhaseLegend } from '../../../charts/PhaseChart';
+import { symmetryText } from '../../../charts/ProgressChart';
 import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
@@ -115,6 +116,39 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
           </tbody>
         );
       })}
+    </table>
+  );
+}
+
+/** Each measure beside that of the other side's newest session, and how alike both are. */
+function BothSides({ measures }: { measures: NonNullable<ComparisonDetail['other_side']> }) {
+  return (
+    <table className="plain-table measures">
+      <caption className="visually-hidden">{t('compare.bothSides')}</caption>
+      <thead>
+        <tr>
+          <th scope="col">{t('compare.measure')}</th>
+          <th scope="col">{t('compare.thisSession')}</th>
+          <th scope="col">{t('compare.otherSide')}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {measures.map((one) => (
+          <tr key={one.measure}>
+            <th scope="row">
+              {one.label}
+              <span className="measure-note muted small">
+                {symmetryText(one.symmetry_ratio, one.symmetry_ratio_sigma, one.symmetry_angle_percent)}
+              </span>
+            </th>
+            <td className="number">{quantity(one.value, one.unit)}</td>
+            <td className="number">
+              {quantity(one.other_value, one.unit)}{' '}
+              <span className="muted small">{t('compare.count', { count: one.other_count })}</span>
+            </td>
+          </tr>
+        ))}
+      </tbody>
     </table>
   );
 }
@@ -250,6 +284,12 @@ export function ComparisonPanel({
         <summary>{t('compare.summary')}</summary>
         <Measures measures={comparison.summary} />
       </details>
+      {comparison.other_side && comparison.other_side.length > 0 && (
+        <details className="as-table">
+          <summary>{t('compare.bothSides')}</summary>
+          <BothSides measures={comparison.other_side} />
+        </details>
+      )}
     </div>
   );
 }
