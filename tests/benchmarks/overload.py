@@ -24,7 +24,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -106,17 +106,19 @@ class Door:
             if session.id not in knocked and self.carried and len(knocked) >= 2 * self.carried:
                 continue
             time.sleep(max(0.0, at_s - time.monotonic()))
-            again_s = self.knock(session, is_new=session.id not in knocked)
+            again_s = self.knock(session)
             knocked.add(session.id)
             if again_s is not None:
                 coming.append((time.monotonic() + again_s, session))
 
-    def knock(self, session: Created, *, is_new: bool) -> float | None:
+    def knock(self, session: Created) -> float | None:
         """Try to connect; returns when to come again, None when the session is in."""
-        ticket = session.ingest
-        if not is_new:
-            ticket = self._loop.run_until_complete(self._client.ticket(session.id))
-        found = connect_one(self.port, session, 0, ticket)
+        # A ticket that waited for its turn at the door would be too old.
+        ingest, live = (
+            self._loop.run_until_complete(self._client.ticket(session.id, purpose))
+            for purpose in ("ingest", "live")
+        )
+        found = connect_one(self.port, replace(session, ingest=ingest, live=live), 0, ingest)
         if isinstance(found, Refusal):
             self.carried = self.carried or self.count
             self.refusals.append(found)
@@ -178,7 +180,7 @@ def recover(load: Load, door: Door, outside: Created) -> float:
     while load.now_s < ended_s + 60.0:
         load.drive_until(load.now_s + AGAIN_S)
         before = door.count
-        door.knock(outside, is_new=False)
+        door.knock(outside)
         if door.count > before:
             return load.now_s - ended_s
     return float("inf")
