@@ -83,8 +83,12 @@ class Intake:
     def acknowledge(self) -> AcknowledgeMessage:
         """Return what the gateway may forget and what it should send again."""
         now = time.monotonic()
-        # As last settled: what compiled code took since is neither missing nor stored.
-        missing = self._session.now.ledger.review(now - self._reviewed_s)
+        # As last settled: what compiled code took since is neither missing nor stored. After the goodbye the end is
+        # known, and what waits in the lane would be asked for.
+        ledger = self._session.now.ledger
+        if ledger.last_sequence is not None:
+            ledger = self._session.ledger
+        missing = ledger.review(now - self._reviewed_s)
         self._reviewed_s = now
         return self._session.acknowledge(missing)
 

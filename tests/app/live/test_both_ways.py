@@ -209,3 +209,34 @@ def test_a_long_packet_off_the_grid_harms_nobody(manager: LiveManager, world: An
 @pytest.mark.slow
 def test_two_hundred_streams(manager: LiveManager, world: Any, engine: Engine) -> None:
     asyncio.run(compared(manager, world, engine, range(1000, 1200)))
+
+
+def test_packets_that_share_a_turn_with_the_goodbye_are_not_asked_for(
+    manager: LiveManager, world: Any, engine: Engine
+) -> None:
+    async def leave() -> tuple[int, list[tuple[int, int]]]:
+        calibration, whole = swaying(SECONDS)
+        remember(engine, world.patient_id, calibration)
+        stream = worn(whole, ARM)
+        intake = await connected(manager, world.subjects["therapist"], world.patient_id, stream)
+        random = np.random.default_rng(0)
+        plain = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
+        sender, packets = Sender(intake), packets_of(stream, plain, random)[:40]
+        for number, data in enumerate(packets):
+            if number == len(packets) - 2:
+                manager.pooled.turn()
+            offer(manager.pooled, sender, data, 0, 100.0 + 0.05 * number)
+        intake.goodbye(len(packets) - 1)
+        manager.pooled.turn()
+        waiting = len(manager.live(intake.session_id).lane._taken)  # type: ignore[union-attr]
+        asked = []
+        for _ in range(3):
+            intake._reviewed_s -= 0.4
+            asked += intake.acknowledge().missing
+            # What is asked for is cut at the highest that is stored.
+            asked += list(manager.live(intake.session_id).now.ledger._asked_s)
+        return waiting, asked
+
+    waiting, asked = asyncio.run(leave())
+    assert waiting, "the last packets wait in the lane"
+    assert asked == []
