@@ -76,14 +76,18 @@ class Housekeeping:
         while True:
             await asyncio.sleep(PERIOD_S)
             turn += 1
-            try:
-                for number, session in enumerate(self._sessions()):
+            for number, session in enumerate(self._sessions()):
+                try:
                     self._look_after(session, turn + number)
-                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
-                    await asyncio.sleep(0)
+                except Exception:
+                    # Those behind it are settled and closed all the same.
+                    logger.exception("looking after session %s failed", session.id)
+                # Packets come first: all sessions together would hold them up for tens of milliseconds.
+                await asyncio.sleep(0)
+            try:
                 self._close_abandoned()
             except Exception:
-                logger.exception("looking after the live sessions failed")
+                logger.exception("closing sessions whose gateways did not come back failed")
 
     def _look_after(self, session: LiveSession, turn: int) -> None:
         if turn % SETTLE_EVERY_TURNS == 0:

@@ -139,20 +139,21 @@ class Lane:
     def is_ready(self) -> bool:
         """Whether compiled code may take the next packet."""
         session = self.session
+        if self._rows > SETTLE_TICKS and self.pool is not None:
+            # Nothing of it is on its way through a turn: its rows are free once it is settled. What that finds may move
+            # the session, so it comes before the questions.
+            self.settle()
+            self.pool.settled(self.slot)
+            self._rows, self.is_sure = 0, False
         if session.machine.state not in STREAMING:
             return False
-        if self.is_sure and self._rows <= SETTLE_TICKS and session.line.is_idle:
+        if self.is_sure and session.line.is_idle:
             return True
         self.is_sure = False
         parts = session.now
         clock, aligner = parts.clock, parts.aligner
         if not session.is_plain or aligner.waiting:
             return False
-        if self._rows > SETTLE_TICKS and self.pool is not None:
-            # Nothing of it is on its way through a turn: its rows are free once it is settled.
-            self.settle()
-            self.pool.settled(self.slot)
-            self._rows = 0
         declaration, setup, known = clock.declaration, parts.pipeline.setup, self._known
         if (
             self._next == (clock.highest, aligner.next_tick)

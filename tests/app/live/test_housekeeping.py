@@ -1,0 +1,41 @@
+"""Looking after the live sessions: what goes wrong with one is not felt by the others."""
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from app.live import housekeeping
+from app.live.housekeeping import Housekeeping
+
+
+def test_a_session_that_fails_leaves_those_behind_it_looked_after(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, "PERIOD_S", 0.001)
+    settled: list[str] = []
+    enough = asyncio.Event()
+
+    def session(name: str) -> Any:
+        def settle() -> None:
+            settled.append(name)
+            if len(settled) >= 12:
+                enough.set()
+            raise RuntimeError(name)
+
+        return SimpleNamespace(id=name, settle=settle)
+
+    async def run() -> None:
+        keeper = Housekeeping(
+            lambda: [session("one"), session("two"), session("three")],
+            lambda _: True,
+            lambda *_: None,
+            idle_close_s=600.0,
+            goodbye_close_s=60.0,
+            longest_s=3600.0,
+        )
+        task = asyncio.create_task(keeper.run())
+        await enough.wait()
+        task.cancel()
+
+    asyncio.run(asyncio.wait_for(run(), 10.0))
+    assert {"one", "two", "three"} <= set(settled)
