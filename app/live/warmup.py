@@ -11,6 +11,8 @@ import logging
 import os
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable
 from typing import Final, cast
 
@@ -34,6 +36,8 @@ PATIENCE_S: Final = 2.0
 """Loading from the cache takes less: whoever opens a session waits so long before being sent away for a while."""
 PREPARING: Final = say("live.preparing")
 NICENESS: Final = 5
+LOOK_S: Final = 1.0
+"""How often a process that compiles looks whether the service still runs."""
 Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""
 ENGINE: Final = "engine"
@@ -85,7 +89,10 @@ def load_or_compile(kind: Kind) -> None:
 
 
 def _compile(*words: str) -> "subprocess.Popen[bytes]":
-    """Start the process that compiles a kind, or the engine; what both need one of them compiles."""
+    """Start the process that compiles a kind, or the engine; what both need one of them compiles.
+
+    It ends with the service, also when that is killed: the next start does not compile beside it.
+    """
     return subprocess.Popen([sys.executable, "-m", __name__, *words], stdin=subprocess.DEVNULL)  # noqa: S603
 
 
@@ -166,8 +173,21 @@ def prepare_process() -> None:
     sys.setswitchinterval(SWITCH_INTERVAL_S)
 
 
+def _end_with_parent() -> None:
+    """End this process when whoever started it has ended."""
+    parent = os.getppid()
+
+    def leave() -> None:
+        while os.getppid() == parent:
+            time.sleep(LOOK_S)
+        os._exit(1)
+
+    threading.Thread(target=leave, name="end-with-parent", daemon=True).start()
+
+
 if __name__ == "__main__":
     os.nice(NICENESS)
+    _end_with_parent()
     if sys.argv[1] == ENGINE:
         prepare_engine()
     else:

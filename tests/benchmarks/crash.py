@@ -52,6 +52,8 @@ PERIOD_S = 62.85
 EARLY = 0.2
 """Share of kills that come while sessions are still coming back."""
 LONGEST_BACK_S = 120.0
+HELPER_ENDS_S = 20.0
+"""In which a helper process ends once its service was killed."""
 
 
 @dataclass
@@ -159,6 +161,21 @@ class Session:
         outcome.resent += self.gateway.report.resent
 
 
+def is_alive(process: psutil.Process) -> bool:
+    """Return whether it still runs; one that has ended may wait to be collected by whoever inherited it."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+    return False
+
+
+def left_over(killed: list[psutil.Process]) -> int:
+    """Return how many have not ended: a helper that was just starting learns of the death once it has started."""
+    until = time.monotonic() + HELPER_ENDS_S
+    while (left := sum(map(is_alive, killed))) and time.monotonic() < until:
+        time.sleep(0.1)
+    return left
+
+
 async def live_on(environment: Mapping[str, str], client: ServiceClient, life: Life) -> Popen[bytes]:
     """Start the service; return when it can store."""
     process = launch(environment)
@@ -211,7 +228,7 @@ async def run(
         finally:
             process.terminate()
             process.wait(60)
-    outcome.left_over = sum(one.is_running() for one in killed)
+    outcome.left_over = left_over(killed)
     for one in streamed:
         one.check(environment["TELEMOTION_DATABASE_URL"], outcome)
     return outcome

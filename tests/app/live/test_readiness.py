@@ -6,13 +6,16 @@ import os
 import subprocess
 import sys
 import threading
+import time
 
+import psutil
 import pytest
 
 from app.errors import Unavailable
 from app.live import warmup
 from app.live.warmup import FIRST, Kind, Readiness, code_of, usual
 from estimators.pipelines import SessionSetup
+from tests.benchmarks.crash import is_alive
 
 ARM = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0)
 GAIT = SessionSetup("gait", ("foot_left", "foot_right"), 100.0)
@@ -133,3 +136,24 @@ def test_a_live_arm_compiles_little_and_nothing_once_it_streams(tmp_path) -> Non
     count, rest = done.stdout.strip().split(" ", 1)
     assert rest == "[]"
     assert int(count) <= MOST_KERNELS
+
+
+def test_what_compiles_ends_with_the_service_that_is_killed() -> None:
+    child = (
+        "from app.live import warmup; import time; warmup._end_with_parent();"
+        "print('on', flush=True); time.sleep(60)"
+    )
+    parent = (
+        "import subprocess, sys, time;"
+        f"made = subprocess.Popen([sys.executable, '-c', {child!r}]); print(made.pid, flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as service:
+        assert service.stdout is not None
+        compiling = psutil.Process(int(service.stdout.readline()))
+        assert service.stdout.readline() == "on\n"
+        service.kill()
+        until = time.monotonic() + 30.0
+        while is_alive(compiling) and time.monotonic() < until:
+            time.sleep(0.1)
+        is_left = is_alive(compiling)
+    assert not is_left
