@@ -16,7 +16,6 @@ with one that loses packets, which come again a second later, and swaps others; 
 """
 
 import argparse
-import asyncio
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -24,7 +23,7 @@ from pathlib import Path
 
 import psutil
 
-from tests.benchmarks.live.load import WARM_UP_S, Load, Outcome, connect, create
+from tests.benchmarks.live.load import WARM_UP_S, Load, Outcome, open_all
 from tests.benchmarks.live.parts import Part, arms, magnetic, walks
 from tests.benchmarks.live.report import judge, judge_load, judge_memory, list_slow, print_load, stored_mb
 from tests.benchmarks.live.watching import Memory, idle_mb, metrics, rare_share, stored
@@ -65,7 +64,7 @@ def measure(
             arguments.server_pid_file.write_text(str(process.pid))
         try:
             memory = Memory(server, idle_mb(server))
-            opened = connect(port, asyncio.run(create(port, patient_id, parts)))
+            opened = open_all(port, patient_id, parts)
             if opened.refusals:
                 print(f"refused   {len(opened.refusals)} sessions: {opened.refusals[0].message}")
             print(f"running for {seconds:.0f} s ...", flush=True)

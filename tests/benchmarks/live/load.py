@@ -28,7 +28,8 @@ WARM_UP_S = 5.0
 SLICE_S = 0.002
 """Packets that become due within it are sent together: the load shares the machine with what it measures."""
 PATIENCE_S = 30.0
-"""From the first hello on, gateways that are sent away come again as they are told."""
+"""For so long gateways that are sent away come again as they are told; once one was refused for good, no longer."""
+CREATED_TOGETHER = 20
 _BLOCK = struct.Struct("<4sIIIddd")
 
 
@@ -102,10 +103,19 @@ def connect_one(port: int, session: Created, number: int, ticket: str) -> tuple[
     return gateway, Socket.open(port, f"/ws/live/{session.id}", number, f'{{"ticket": "{session.live}"}}')
 
 
-def connect(port: int, sessions: Sequence[Created]) -> Opened:
-    """Connect every session that is admitted; gateways that are sent away come again as they are told."""
+def open_all(port: int, patient_id: str, parts: Sequence[tuple[Part, int]]) -> Opened:
+    """Create and connect so many sessions of each part, some at a time: a ticket expires while all are created."""
     opened = Opened()
-    deadline = time.monotonic() + PATIENCE_S
+    for part, count in parts:
+        for first in range(0, count, CREATED_TOGETHER):
+            some = min(CREATED_TOGETHER, count - first)
+            made = asyncio.run(create(port, patient_id, [(part, some)]))
+            _connect(port, made, opened, time.monotonic() + (0.0 if opened.refusals else PATIENCE_S))
+    return opened
+
+
+def _connect(port: int, sessions: Sequence[Created], opened: Opened, deadline: float) -> None:
+    """Connect every session that is admitted; gateways that are sent away come again as they are told."""
     for one in sessions:
         ticket = one.ingest
         found = connect_one(port, one, len(opened.ids), ticket)
@@ -117,7 +127,6 @@ def connect(port: int, sessions: Sequence[Created]) -> Opened:
             opened.refusals.append(found)
         else:
             opened.add(one, *found)
-    return opened
 
 
 @dataclass
