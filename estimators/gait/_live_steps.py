@@ -100,6 +100,21 @@ class LiveStepTracker:
             self._feet[number, at.ANCHOR_ROOM + 2] = height_m
         self._right = np.array([[4 * (side == "right")] for side in sides], dtype=np.uint8)
 
+    @property
+    def settings(self) -> Float:
+        """Constants of the loop, shape (SETTINGS,)."""
+        return self._settings
+
+    @property
+    def memory(self) -> Float:
+        """What the next update depends on, shape (F, FOOT): carried on in place."""
+        return self._feet
+
+    @property
+    def right(self) -> NDArray[np.uint8]:
+        """4 for a right foot, shape (F, 1)."""
+        return self._right
+
     def update(self, released: FootChunk, rows: "list[int] | slice" = slice(None)) -> LiveSteps:
         """Take the next released samples; `rows` are those of the feet among the sensors."""
         nothing = (released.flags[rows] & FootFlag.INVALID) != 0

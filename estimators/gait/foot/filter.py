@@ -98,12 +98,6 @@ class Records:
         """Run the filter and record into `place`."""
         kernel.forward(samples, settings, state, Trace._make(values[place] for values in self.trace))
 
-    def move_to_front(self, start: int, stop: int) -> None:
-        """Keep the records `[start, stop)` only, at the start of the arrays."""
-        for name, values in self.trace._asdict().items():
-            if name != "posterior":
-                values[: stop - start] = values[start:stop]
-
     def backward(self, first: int, wanted: int, stop: int, adjoint: Float, smooth: Float) -> None:
         """Go back over the records `[first, stop)`, smooth `[first, wanted)`, and update the adjoint."""
         kernel.backward(first, wanted, stop, self.trace, adjoint, smooth)

@@ -19,7 +19,7 @@ YAW_UNKNOWN_RAD: Final = math.pi / math.sqrt(3.0)
 """Standard deviation of an angle of which nothing is known."""
 # Ticks missing in a row; variances lost along the floor, up and about the vertical; where this stretch began (3);
 # whether a place was ever lost; mean of the way misplaced so far (2), and in the axes of this stretch (2).
-_RUN, _ALONG2, _UP2, _YAW2, _ORIGIN, _LOST, _MEAN, _TURNED, _MEMORY = 0, 1, 2, 3, 4, 7, 8, 10, 12
+_RUN, _ALONG2, _UP2, _YAW2, _ORIGIN, _LOST, _MEAN, _TURNED, MEMORY = 0, 1, 2, 3, 4, 7, 8, 10, 12
 
 
 def lost_yaw_rad(gap_s: float, parameters: FootParameters) -> float:
@@ -107,12 +107,19 @@ class LostPlace:
     ----------
     rate_hz : float
     parameters : FootParameters
+    memory : ndarray, shape (MEMORY,), optional
+        Carried on in place.
     """
 
-    def __init__(self, rate_hz: float, parameters: FootParameters) -> None:
+    def __init__(self, rate_hz: float, parameters: FootParameters, memory: Float | None = None) -> None:
         self._step_s, self._parameters = 1.0 / rate_hz, parameters
         self._least = long_gap_ticks(rate_hz, parameters)
-        self.memory = np.zeros(_MEMORY)
+        self.memory = np.zeros(MEMORY) if memory is None else memory
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether a place was ever lost, or a gap runs."""
+        return bool(self.memory[_LOST] or self.memory[_RUN])
 
     def widen(
         self, position_m: Float, sigma: Float, is_missing: Bool, first: int, with_field: dict[int, bool]
@@ -131,7 +138,7 @@ class LostPlace:
             By the tick of a new stretch: whether the field tells its heading.
         """
         m, flags = self.memory, np.zeros(len(is_missing), dtype=np.uint8)
-        if not (m[_LOST] or m[_RUN] or is_missing.any()):
+        if not (self.is_lost or is_missing.any()):
             return flags
         gap = gap_lengths(is_missing, int(m[_RUN]))
         begins = set(np.flatnonzero(~is_missing & (gap >= self._least)).tolist())
@@ -187,4 +194,4 @@ class LostPlace:
         m[_LOST] = 1.0
 
 
-__all__ = ["LostPlace", "begin_anew", "gap_lengths", "long_gap_ticks", "lost_yaw_rad"]
+__all__ = ["MEMORY", "LostPlace", "begin_anew", "gap_lengths", "long_gap_ticks", "lost_yaw_rad"]

@@ -10,9 +10,9 @@ from estimators.balance import MassCentreParameters
 from estimators.balance import _live_balance_kernel as balance
 from estimators.balance._stability import SOLE_HALF_WIDTH_M
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait import FootChunk, FootFlag, LiveSteps
 from estimators.kinetics import ShoeGeometry
 from estimators.kinetics import _live_shoes_kernel as shoe
+from estimators.pipelines.walk.released_kernel import Shoes
 from estimators.recording import Float
 
 _APART_SIGMA_M: Final = {True: 0.01, False: 0.04}
@@ -103,76 +103,19 @@ class LiveShoes:
                 new[:, :, first : first + 3] = load[cells]
         self._loads = np.concatenate([self._loads, new], axis=1)
 
-    def release(self, feet: FootChunk, steps: LiveSteps, speed_mps: Float) -> tuple[list[Float], Float]:
-        """Bring the loads of what was released of the feet into the room.
+    @property
+    def shoes(self) -> Shoes:
+        """What compiled code carries on."""
+        return Shoes(self._shoe_settings, self._shoes, self._settings, self._memory, self._x, self._p)
 
-        Parameters
-        ----------
-        feet : FootChunk
-            Of the four sensors.
-        steps : LiveSteps
-            Of the heels.
-        speed_mps : ndarray, shape (2, K)
-            Of the heels.
+    @property
+    def loads(self) -> Float:
+        """Of the ticks that are not released, shape (2, K, LOADS)."""
+        return self._loads
 
-        Returns
-        -------
-        points : list of ndarray, shape (K, 3)
-            Both soles, `BALANCE_POINTS` and `PRESSURE_POINTS`, room.
-        scalars : ndarray, shape (K, 11)
-            `FORCE_SCALARS` of both feet and `LIVE_BALANCE_SCALARS`.
-        """
-        ticks = feet.tick_count
-        nothing = (feet.flags & FootFlag.INVALID) != 0
-        bits = np.asarray(feet.is_stance[_HEELS] + 2 * (nothing[_HEELS] | nothing[_FOREFEET]), dtype=np.uint8)
-        out = np.empty((2, ticks, shoe.OUT))
-        corners = np.empty((2, ticks, 8, 2))
-        zero = np.empty((2, ticks))
-        shoe.shoes_live(
-            self._shoe_settings,
-            self._loads,
-            feet.q_world_sensor[_CELLS],
-            np.ascontiguousarray(steps.place_m.transpose(1, 0, 2)),
-            np.ascontiguousarray(steps.course_rad.T),
-            speed_mps,
-            bits,
-            self._shoes,
-            out,
-            corners,
-            zero,
-        )
-        state = out[:, :, shoe.STATE]
-        usable = np.where(state == shoe.MEASURED, np.where(steps.is_placed.T, 2, 1), state == shoe.UNTARED)
-        usable = usable + 4 * steps.is_joined.T
-        found = np.empty((ticks, balance.OUT))
-        balance.balance_live(
-            self._settings,
-            out,
-            corners,
-            np.ascontiguousarray(usable, dtype=np.uint8),
-            np.ascontiguousarray(
-                self._loads[:, :, shoe.HEEL_FORCE + 2] + self._loads[:, :, shoe.FOREFOOT_FORCE + 2]
-            ),
-            zero,
-            self._memory,
-            self._x,
-            self._p,
-            found,
-        )
+    def released(self, ticks: int) -> None:
+        """Forget the loads of the ticks that were released."""
         self._loads = np.ascontiguousarray(self._loads[:, ticks:])
-        shift = np.nan_to_num(found[:, balance.SHIFT : balance.SHIFT + 2])
-        soles = [
-            steps.place_m[:, foot] - [0.0, 0.0, self._shoe_settings[shoe.S_SENSOR_HEIGHT]]
-            for foot in range(2)
-        ]
-        pressed = [out[foot, :, shoe.COP : shoe.COP + 3] for foot in range(2)]
-        soles[1][:, :2] += shift
-        pressed[1][:, :2] += shift
-        whole = [found[:, at : at + 3] for at in (balance.MASS, balance.COP, balance.GOING)]
-        forces = [out[foot, :, [0, 1, 2, shoe.STATE]].T for foot in range(2)]
-        mass_kg = found[:, balance.WEIGHT] / GRAVITY_MPS2
-        stated = np.stack([found[:, balance.MARGIN], found[:, balance.SIGMA], mass_kg], axis=1)
-        return [*soles, *whole, *pressed], np.concatenate([*forces, stated], axis=1)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next call depends on."""

@@ -1,7 +1,6 @@
 """The gait pipeline: sensors on the feet to the movement of both feet, their events and strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,10 +11,8 @@ from estimators.conventions import Placement, Side
 from estimators.errors import CalibrationError
 from estimators.gait import (
     USUAL_APART_M,
-    FootChunk,
     FootFlag,
     FootTracker,
-    LiveSteps,
     LiveStepTracker,
 )
 from estimators.kinetics import ShoeGeometry
@@ -23,16 +20,12 @@ from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.pipelines.walk.layout import (
     CENTRE_PER_STATURE,
-    SCALARS,
-    SPEED,
-    STANCE,
-    STRIDE_LENGTH,
-    TOE_OUT,
     cells_of,
     feet_of,
     layout_of,
 )
 from estimators.pipelines.walk.live_shoes import LiveShoes
+from estimators.pipelines.walk.released_kernel import Feet, write_feet, write_shoes
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 
@@ -72,7 +65,8 @@ class GaitPipeline(Pipeline):
         self._feet = feet_of(setup)
         cells = cells_of(setup)
         self._rows = list(self._feet.values()) if cells is None else [row for pair in cells for row in pair]
-        self._heels = list(range(len(self._rows))) if cells is None else [0, 2]
+        self._heels = np.array(range(len(self._rows)) if cells is None else [0, 2], dtype=np.int64)
+        self._offset_m = np.stack([apart(np.zeros(3), side) for side in self._feet])
         step_s = 1.0 / setup.rate_hz
         self._tracker = FootTracker(len(self._rows), step_s, setup.orientation_parameters)
         self._steps = LiveStepTracker(
@@ -109,7 +103,7 @@ class GaitPipeline(Pipeline):
             chunk = calibration.correct(
                 chunk, [self._setup.devices.get(name) for name in self._setup.placements]
             )
-        found = self._tracker.update(replace(chunk.sensors(rows), force_n=None, moment_nm=None))
+        values, flags = self._tracker.released(self._worn(chunk))
         if self._shoes is not None:
             force, moment = chunk.force_n, chunk.moment_nm
             is_felt = force is not None and moment is not None
@@ -118,8 +112,8 @@ class GaitPipeline(Pipeline):
                 moment[rows] if is_felt and moment is not None else None,
                 ticks,
             )
-        if found.tick_count:
-            self._waiting = np.concatenate([self._waiting, self._released(found)])
+        if flags.shape[1]:
+            self._waiting = np.concatenate([self._waiting, self._released(values, flags)])
         shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
         feet, points = len(self._feet), len(self._layout.points)
         ends = np.cumsum([4 * feet, 3 * points, len(self._layout.scalars), feet, 3 * feet])
@@ -151,46 +145,31 @@ class GaitPipeline(Pipeline):
             ]
         )
 
-    def _released(self, found: FootChunk) -> Float:
-        """Return the rows of what the tracker gave away."""
-        feet, heels, count = len(self._feet), self._heels, found.tick_count
-        steps = self._steps.update(found, heels)
-        speed = np.linalg.norm(found.velocity_mps[heels], axis=2)
-        scalar = np.full((count, len(self._layout.scalars)), np.nan)
-        each = scalar[:, : feet * len(SCALARS)].reshape(count, feet, len(SCALARS))
-        each[:, :, STANCE] = found.is_stance[heels].T
-        each[:, :, SPEED] = speed.T
-        each[:, :, STRIDE_LENGTH], each[:, :, TOE_OUT] = steps.stride_length_m, steps.toe_out_rad
-        scalar[:, : feet * len(SCALARS)] = each.reshape(count, -1)
-        if self._shoes is None:
-            q = found.q_world_sensor[heels].transpose(1, 0, 2)
-            points = [apart(found.position_m[row], side) for row, side in zip(heels, self._feet, strict=True)]
-        else:
-            q = steps.q_room_sensor
-            points, forces = self._shoes.release(found, steps, speed)
-            scalar[:, feet * len(SCALARS) :] = forces
-        return np.concatenate(
-            [
-                q.reshape(count, -1),
-                *points,
-                scalar,
-                flags_of(self._flags(found, steps)).T,
-                *(level_sigma(found.attitude_sigma_rad[row]) for row in heels),
-                *(level_sigma(found.position_sigma_m[row]) for row in heels),
-                # Of what the forces add, the uncertainty is among the scalars.
-                np.full((count, 3 * (len(self._layout.points) - feet)), np.nan),
-            ],
-            axis=1,
+    def _worn(self, chunk: ImuChunk) -> ImuChunk:
+        """Return the inertial readings of the sensors that are followed."""
+        rows, field = self._rows, chunk.magnetometer_t
+        if rows == list(range(chunk.sensor_count)):
+            # Nearly always: indexing with a list copies.
+            rows = slice(None)  # type: ignore[assignment]
+        return ImuChunk(
+            chunk.first_tick,
+            chunk.time_step_s,
+            chunk.gyroscope_radps[rows],
+            chunk.accelerometer_mps2[rows],
+            None if field is None else field[rows],
+            chunk.quality[rows],
         )
 
-    def _flags(self, found: FootChunk, steps: LiveSteps) -> NDArray[np.uint8]:
-        """Return the flags of the feet; a foot beside one that was never lost has its place again."""
-        flags = found.flags[self._heels]
+    def _released(self, values: Float, flags: NDArray[np.uint8]) -> Float:
+        """Return the rows of what the tracker gave away."""
+        rows = np.empty((flags.shape[1], self._waiting.shape[1]))
+        feet = Feet(self._heels, self._steps.right, self._steps.settings, self._steps.memory, self._offset_m)
         if self._shoes is None:
-            # Each in a world of its own: nothing finds it again.
-            return flags
-        found_again = np.uint8(FootFlag.PLACE_LOST) * ~steps.is_lost.T
-        return np.asarray(flags & ~found_again, dtype=np.uint8)
+            write_feet(values, flags, feet, rows)
+        else:
+            write_shoes(values, flags, feet, self._shoes.loads, self._shoes.shoes, rows)
+            self._shoes.released(len(rows))
+        return rows
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: where a sensor sits on the foot is found from the walk."""

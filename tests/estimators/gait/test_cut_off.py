@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimators.gait._stance_kernel import CUT_FORCE, CUT_RATE
-from estimators.gait.foot.cut_off import CutOffAxes
+from estimators.gait.foot.live.cut_off import CutOffAxes
 
 
 def test_the_axis_at_its_largest_is_named_and_no_other() -> None:

@@ -7,25 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.gait._stance import Windows
+from estimators.gait.foot import kernel
 from estimators.gait.foot import layout as at
-from estimators.gait.foot.filter import Records, root, settings_of, start_covariance, start_state
-from estimators.gait.foot.judged import JudgedSamples
-from estimators.gait.foot.kernel import FootState, FootTicks
+from estimators.gait.foot.filter import root, settings_of, start_covariance, start_state
+from estimators.gait.foot.kernel import FootState, FootTicks, Trace
+from estimators.gait.foot.live.judged import JudgedSamples
+from estimators.gait.foot.live.rows import BRIDGED, CLIPPED, COLUMNS, MISSING, FootRows, Sizes
+from estimators.gait.foot.live.samples import FootSamples
 from estimators.gait.foot.lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait.foot.parameters import FootParameters
-from estimators.gait.foot.samples import BRIDGED, CLIPPED, MISSING, FootSamples
 from estimators.gait.foot.trajectory import COAST_S, FootFlag
 from estimators.recording import Float
 
-COLUMNS = at.STATE + 6 + 2
-"""What is released of a sample: state, sigma of position and attitude, T, and whether it is stance."""
-_ROOM = 18
-"""Blocks of records beyond the lag, so that they are moved rarely."""
-_NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
-_BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)
-_TILT_KNOWN_RAD = 0.1
+TILT_KNOWN_RAD = 0.1
 """Begun in mid-stride or anew after a long gap, no stance counts before the vertical is as certain as this: then a
 swing of half a second goes wrong by a tenth of a metre."""
+_NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
+_BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)
 
 
 class FootStream:
@@ -38,33 +36,61 @@ class FootStream:
     ----------
     rate_hz : float
     parameters : FootParameters
+    windows : Windows
+    sizes : Sizes
+    rows : FootRows
+        Hold everything; `ordinary_kernel` may go on as well where nothing is missing.
+    number : int
+        Of the foot.
     """
 
-    def __init__(self, rate_hz: float, parameters: FootParameters) -> None:
-        self.rate_hz, self.parameters = rate_hz, parameters
-        self.windows = Windows.at_rate(rate_hz, parameters)
-        self.block = max(1, round(parameters.release_s * rate_hz))
-        self.lag = self.block * max(1, round(parameters.lag_s / parameters.release_s))
-        self.samples = FootSamples(rate_hz, parameters, self.windows)
-        self._found = JudgedSamples(rate_hz, parameters, self.windows)
-        self.filtered = 0  # ticks filtered
-        self.released = 0
-        self._settings = settings_of(parameters)
-        self._records = Records(self.lag + _ROOM * self.block)
-        self._base = 0  # record of the first tick not yet released
-        self._x, self._p, self._memory = np.zeros(at.STATE), np.zeros((at.ERRORS,) * 2), np.zeros(at.MEMORY)
-        self._lost = LostPlace(rate_hz, parameters)
+    def __init__(
+        self,
+        rate_hz: float,
+        parameters: FootParameters,
+        windows: Windows,
+        sizes: Sizes,
+        rows: FootRows,
+        number: int,
+    ) -> None:
+        self.rate_hz, self.parameters, self.windows = rate_hz, parameters, windows
+        self.block, self.lag = sizes.block, sizes.lag
+        self.samples = FootSamples(rate_hz, parameters, windows, rows, number)
+        self.judged = JudgedSamples(rate_hz, parameters, windows, rows, number)
+        self.settings = settings_of(parameters)
+        self._at: Any = rows.foot[number]
+        self._x, self._p, self._memory = rows.x[number], rows.p[number], rows.memory[number]
+        self._marks: Any = rows.mark[number]
+        self._mark_values = (rows.mark_x[number], rows.mark_p[number], rows.mark_memory[number])
+        self._trace = Trace(
+            rows.prior[number],
+            rows.prior_p[number],
+            rows.steps[number],
+            rows.row_count[number],
+            rows.measured[number],
+            rows.gains[number],
+            rows.ratios[number],
+            rows.posterior[number],
+            rows.spread[number],
+        )
+        self._lost = LostPlace(rate_hz, parameters, rows.lost[number])
         self._long_gap = long_gap_ticks(rate_hz, parameters)
-        self._gap = 0  # ticks missing in a row before the first that is not filtered yet
-        self._wary = 0  # up to this tick only a foot that surely stands is believed to
         self._with_field: dict[int, bool] = {}
-        self._marks: list[tuple[int, Float, Float, Float, tuple[int, int]]] = []
-        self._last_stance = -1
 
     @property
-    def delay(self) -> int:
-        """Most ticks between a sample and its release."""
-        return self.windows.ahead + self.lag + self.block
+    def filtered(self) -> int:
+        """Ticks filtered."""
+        return int(self._at["filtered"])
+
+    @property
+    def released(self) -> int:
+        """Ticks given away."""
+        return int(self._at["released"])
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing of a new stretch is still to be released."""
+        return not self._with_field
 
     @property
     def _origin(self) -> int:
@@ -78,7 +104,7 @@ class FootStream:
         is_before = self.samples.first < 0
         self.samples.take(gyroscope, accelerometer, field, kind)
         if is_before:
-            self.filtered = self.samples.origin
+            self._at["filtered"] = self.samples.origin
 
     def advance(self, is_end: bool) -> tuple[Float, NDArray[np.uint8]]:
         """Estimate as far as the samples taken allow, and return what is released.
@@ -96,9 +122,9 @@ class FootStream:
             return np.empty((0, COLUMNS)), np.empty(0, dtype=np.uint8)
         if first >= 0 and end > max(self.filtered, first):
             self.samples.find_statistic(is_end)
-            known = max(first, self._origin + len(self._found.bits))
+            known = max(first, self._origin + self.judged.count)
             if end > known:
-                self._found.judge(self.samples, known, end)
+                self.judged.judge(self.samples, known, end)
         while self.released < taken:
             boundary = self.released + self.lag + self.block
             if boundary > end:
@@ -127,36 +153,55 @@ class FootStream:
         while start < boundary:
             # Block by block, so that a stored state can start again at the first sample not yet released.
             stop = min(start + self.block - start % self.block, boundary)
-            mark = (self._gap, self._wary)
-            self._marks.append((start, self._x.copy(), self._p.copy(), self._memory.copy(), mark))
-            missing = (samples.kind[samples.place(start, stop)] & MISSING) != 0
-            if self._gap or missing.any():
-                gap, block = gap_lengths(missing, self._gap), start
-                self._gap = int(gap[-1]) if missing[-1] else 0
+            self._mark(start)
+            missing, run = (samples.kind[samples.place(start, stop)] & MISSING) != 0, int(self._at["gap"])
+            if run or missing.any():
+                gap, block = gap_lengths(missing, run), start
+                self._at["gap"] = int(gap[-1]) if missing[-1] else 0
                 for again in np.flatnonzero(~missing & (gap >= self._long_gap)).tolist():
                     self._forward(start, block + again)
                     start = block + again
                     self._begin_anew(start, float(gap[again]) / self.rate_hz)
             self._forward(start, stop)
-            start = self.filtered = stop
+            start = self._at["filtered"] = stop
+
+    def _mark(self, start: int) -> None:
+        """Note where the filter stands at the start of a block."""
+        count = int(self._at["marks"])
+        mark = self._marks[count]
+        mark["start"], mark["gap"], mark["wary"] = start, self._at["gap"], self._at["wary"]
+        for values, now in zip(self._mark_values, (self._x, self._p, self._memory), strict=True):
+            values[count] = now
+        self._at["marks"] = count + 1
+
+    def _leave_marks(self, upto: int) -> None:
+        """Forget the starts of blocks before the one that holds the first tick not released."""
+        count, passed = int(self._at["marks"]), 0
+        while passed + 1 < count and self._marks[passed + 1]["start"] <= upto:
+            passed += 1
+        if passed:
+            for values in (self._marks, *self._mark_values):
+                values[: count - passed] = values[passed:count].copy()
+            self._at["marks"] = count - passed
 
     def _begin_anew(self, tick: int, gap_s: float) -> None:
         self._with_field[tick] = begin_anew(
             self._x, self._p, self._memory, *self.samples.start(tick), gap_s, self.parameters
         )
-        self._wary = tick + round(self.parameters.reference_before_s * self.rate_hz)
+        self._at["wary"] = tick + round(self.parameters.reference_before_s * self.rate_hz)
 
     def _forward(self, start: int, stop: int) -> None:
         if stop == start:
             return
-        samples, found = self.samples, self._found
+        samples, found = self.samples, self.judged
         place, raw = slice(start - self._origin, stop - self._origin), samples.place(start, stop)
-        if start < self._wary:
-            upto = min(stop, self._wary)
+        wary = int(self._at["wary"])
+        if start < wary:
+            upto = min(stop, wary)
             is_measured = (samples.kind[samples.place(start, upto)] & MISSING) == 0
             found.be_wary(slice(start - self._origin, upto - self._origin), is_measured)
-        self._records.forward(
-            slice(self._base + place.start, self._base + place.stop),
+        base = int(self._at["base"])
+        kernel.forward(
             FootTicks(
                 np.full(stop - start, 1.0 / self.rate_hz),
                 samples.gyroscope[raw],
@@ -167,8 +212,9 @@ class FootStream:
                 found.rate_variance[place],
                 samples.field[raw],
             ),
-            self._settings,
+            self.settings,
             FootState(self._memory, self._x, self._p),
+            Trace._make(values[base + place.start : base + place.stop] for values in self._trace),
         )
 
     def _release(self, boundary: int, upto: int) -> tuple[Float, NDArray[np.uint8]]:
@@ -184,34 +230,51 @@ class FootStream:
             given = upto - known
             place = slice(count - given, count)
             flags[place] = self._smooth(known, boundary, upto, values[place])
-            self._base += given
-            if self._base + self.lag + 2 * self.block > len(self._records.trace.spread):
-                self._records.move_to_front(self._base, self._base + boundary - upto)
-                self._base = 0
-            self._found.forget(given)
-        self.released = upto
-        while len(self._marks) > 1 and self._marks[1][0] <= upto:
-            self._marks.pop(0)
+            base = int(self._at["base"]) + given
+            if base + self.lag + 2 * self.block > len(self._trace.spread):
+                for name, records in self._trace._asdict().items():
+                    if name != "posterior":
+                        records[: boundary - upto] = records[base : base + boundary - upto].copy()
+                base = 0
+            self._at["base"] = base
+            self.judged.forget(given)
+        self._at["released"] = upto
+        self._leave_marks(upto)
         return values, flags
 
     def _smooth(self, first: int, boundary: int, upto: int, values: Float) -> NDArray[np.uint8]:
         """Write the ticks `[first, upto)`, judged by those up to a boundary, and return their flags."""
         given = upto - first
         state = np.empty((given, at.STATE))
-        base, sigma = self._base, values[:, at.STATE : at.STATE + 6]
-        self._records.backward(base, base + given, base + boundary - first, np.zeros(at.ERRORS), state)
+        base, sigma = int(self._at["base"]), values[:, at.STATE : at.STATE + 6]
+        kernel.backward(base, base + given, base + boundary - first, self._trace, np.zeros(at.ERRORS), state)
         values[:, : at.STATE] = state
-        sigma[:] = root(self._records.trace.spread[base : base + given])
+        sigma[:] = root(self._trace.spread[base : base + given])
         kind = self.samples.kind[self.samples.place(first, upto)]
-        is_level = np.asarray((sigma[:, 3:5] < _TILT_KNOWN_RAD).all(axis=1))
-        stands, last = self._believed(first, self._found.stands(given), is_level)
-        values[:, at.STATE + 6] = self._found.inputs[1, :given]
+        is_level = np.asarray((sigma[:, 3:5] < TILT_KNOWN_RAD).all(axis=1))
+        stands, last = self._believed(first, self.judged.stands(given), is_level)
+        values[:, at.STATE + 6] = self.judged.inputs[1, :given]
         values[:, at.STATE + 7] = stands
         flags = self._flags(first, last, kind) | self._lost.widen(
             state[:, at.P : at.P + 3], sigma, (kind & MISSING) != 0, first, self._with_field
         )
         self._with_field = {tick: known for tick, known in self._with_field.items() if tick >= upto}
         return flags
+
+    def widen(self, first: int, values: Float, flags: NDArray[np.uint8]) -> None:
+        """Add to what compiled code released from a tick on what a long gap before has cost, in place.
+
+        Parameters
+        ----------
+        first : int
+        values : ndarray, shape (K, COLUMNS)
+        flags : ndarray of uint8, shape (K,)
+        """
+        if self._lost.is_lost:
+            sigma = values[:, at.STATE : at.STATE + 6]
+            flags |= self._lost.widen(
+                values[:, at.P : at.P + 3], sigma, np.zeros(len(flags), dtype=np.bool_), first, {}
+            )
 
     def _believed(
         self, first: int, stands: NDArray[np.bool_], is_level: NDArray[np.bool_]
@@ -227,12 +290,13 @@ class FootStream:
         for start, stop in zip(starts, [*starts[1:], len(stands)], strict=True):
             piece = slice(start, stop)
             if start in begins:
-                self._last_stance = -1
-            if self._last_stance < 0:
+                self._at["last_stance"] = -1
+            before = int(self._at["last_stance"])
+            if before < 0:
                 stands[piece] &= np.logical_or.accumulate(stands[piece] & is_level[piece])
             ticks = np.arange(first + start, first + stop)
-            last[piece] = np.maximum.accumulate(np.where(stands[piece], ticks, self._last_stance))
-            self._last_stance = int(last[stop - 1])
+            last[piece] = np.maximum.accumulate(np.where(stands[piece], ticks, before))
+            self._at["last_stance"] = last[stop - 1]
         return stands, last
 
     def _flags(self, first: int, last: NDArray[np.int64], kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -249,49 +313,45 @@ class FootStream:
         """Forget samples that nothing to come looks back at."""
         if self.samples.first < 0:
             return
-        needed = min(self.released, self.filtered, self._origin + len(self._found.bits)) - self.windows.back
+        needed = min(self.released, self.filtered, self._origin + self.judged.count) - self.windows.back
         # At least a few of the first samples are retained until the filter has started from them.
-        self.samples.forget(min(needed - 1, self._marks[0][0] if self._marks else self.samples.first))
+        start = int(self._marks[0]["start"]) if self._at["marks"] else self.samples.first
+        self.samples.forget(min(needed - 1, start))
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that later samples depend on; records are made again from it."""
-        mark = (
-            self._marks[0]
-            if self._marks
-            else (self.filtered, self._x, self._p, self._memory, (self._gap, self._wary))
-        )
-        counters = (
-            self.samples.first,
-            self.samples.origin,
-            self.samples.stop,
-            self.filtered,
-            self.released,
-            self._last_stance,
-            mark[0],
-            *mark[4],
-        )
+        now, marked = self._at, bool(self._at["marks"])
+        if marked:
+            mark, (x, p, memory) = self._marks[0].copy(), (values[0] for values in self._mark_values)
+        else:
+            mark, (x, p, memory) = np.zeros(1, dtype=self._marks.dtype)[0], (self._x, self._p, self._memory)
+            mark["start"], mark["gap"], mark["wary"] = now["filtered"], now["gap"], now["wary"]
+        counters = [now[n] for n in ("first", "origin", "stop", "filtered", "released", "last_stance")]
         own = {
             "lost": self._lost.memory.copy(),
-            "counters": np.array(counters, dtype=np.int64),
-            "x": mark[1].copy(),
-            "p": mark[2].copy(),
-            "memory": mark[3].copy(),
+            "counters": np.array([*counters, *mark.tolist()], dtype=np.int64),
+            "x": x.copy(),
+            "p": p.copy(),
+            "memory": memory.copy(),
         }
-        return own | self.samples.state() | self._found.state()
+        return own | self.samples.state() | self.judged.state()
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state`."""
-        first, origin, stop, filtered, self.released, self._last_stance, mark, self._gap, self._wary = (
+        first, origin, stop, filtered, released, last_stance, mark, gap, wary = (
             int(v) for v in state["counters"]
         )
+        now = self._at
+        now["released"], now["last_stance"], now["gap"], now["wary"] = released, last_stance, gap, wary
         self.samples.restore(state, first, origin, stop)
-        self._found.restore(state)
-        self._x, self._p, self._memory = (np.array(state[name]) for name in ("x", "p", "memory"))
-        self._lost.memory = np.array(state["lost"])
-        self._marks, self._base, self._with_field = [], 0, {}
-        self.filtered = mark
+        self.judged.restore(state)
+        self._x[:], self._p[:], self._memory[:] = (state[name] for name in ("x", "p", "memory"))
+        self._lost.memory[:] = state["lost"]
+        self._with_field = {}
+        now["marks"] = now["base"] = 0
+        now["filtered"] = mark
         if filtered > mark:
             self._filter(filtered)
 
 
-__all__ = ["COLUMNS", "FootStream"]
+__all__ = ["TILT_KNOWN_RAD", "FootStream"]

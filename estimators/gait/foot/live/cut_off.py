@@ -22,14 +22,14 @@ class CutOffAxes:
     device; where both triads are, both are taken for it. A mark on a sample where no axis is says nothing: a device
     may mark a whole packet of all its sensors.
 
-    Attributes
+    Parameters
     ----------
-    largest : ndarray, shape (2,)
-        Magnitudes of any axis so far, rad/s and m/s^2; what the next sample depends on.
+    largest : ndarray, shape (2,), optional
+        Magnitudes of any axis so far, rad/s and m/s^2; what the next sample depends on. Carried on in place.
     """
 
-    def __init__(self) -> None:
-        self.largest = np.zeros(2)
+    def __init__(self, largest: Float | None = None) -> None:
+        self.largest = np.zeros(2) if largest is None else largest
 
     def find(
         self, gyroscope_radps: Float, accelerometer_mps2: Float, is_marked: NDArray[np.bool_]

@@ -17,8 +17,9 @@ from estimators.gait._stance import (
 from estimators.gait._stance_kernel import noise_densities
 from estimators.gait.foot import layout as at
 from estimators.gait.foot.bridge_kernel import BESIDE_S, add_bridge_noise
+from estimators.gait.foot.live.rows import BRIDGED, CLIPPED, FIELD, MISSING, FootRows
+from estimators.gait.foot.live.samples import FootSamples
 from estimators.gait.foot.parameters import FootParameters
-from estimators.gait.foot.samples import BRIDGED, CLIPPED, FIELD, MISSING, FootSamples
 from estimators.gait.foot.trajectory import LOST_SIGMA_MPS
 from estimators.recording import Float
 
@@ -26,31 +27,71 @@ from estimators.recording import Float
 class JudgedSamples:
     """Judged ticks, each once, from the first that is not released.
 
-    Attributes
+    Parameters
     ----------
-    inputs : ndarray, shape (3, N)
-        Standard deviation of the contact point's velocity, T, and noise density squared of force.
-    bits : ndarray of uint8, shape (N,)
-        What is measured.
-    rate_variance : ndarray, shape (N, 3)
-        Noise density squared of turning.
+    rate_hz : float
+    parameters : FootParameters
+    windows : Windows
+    rows : FootRows
+        Hold everything; compiled code may judge the next ticks as well.
+    number : int
+        Of the foot.
     """
 
-    def __init__(self, rate_hz: float, parameters: FootParameters, windows: Windows) -> None:
+    def __init__(
+        self, rate_hz: float, parameters: FootParameters, windows: Windows, rows: FootRows, number: int
+    ) -> None:
         self._rate_hz, self._parameters, self._windows = rate_hz, parameters, windows
-        self.inputs = np.empty((3, 0))
-        self.bits = np.empty(0, dtype=np.uint8)
-        self.rate_variance = np.empty((0, 3))
-        self._decision = decision_settings(rate_hz, parameters)
-        self._noise = noise_settings(parameters)
+        self._at: Any = rows.foot[number]
+        self._inputs: Float = rows.inputs[number]
+        self._bits: NDArray[np.uint8] = rows.bits[number]
+        self._rate_variance: Float = rows.rate_variance[number]
+        self.decision = decision_settings(rate_hz, parameters)
+        self.noise = noise_settings(parameters)
+
+    @property
+    def count(self) -> int:
+        """How many ticks are judged."""
+        return int(self._at["judged"])
+
+    @property
+    def _judged(self) -> slice:
+        start = int(self._at["judged_place"])
+        return slice(start, start + self.count)
+
+    @property
+    def inputs(self) -> Float:
+        """Standard deviation of the contact point's velocity, T, and noise density squared of force, shape (3, N)."""
+        return self._inputs[:, self._judged]
+
+    @property
+    def bits(self) -> NDArray[np.uint8]:
+        """What is measured, shape (N,)."""
+        return self._bits[self._judged]
+
+    @property
+    def rate_variance(self) -> Float:
+        """Noise density squared of turning, shape (N, 3)."""
+        return self._rate_variance[self._judged]
+
+    def _grow(self, count: int) -> slice:
+        """Make room for further ticks; returns their place."""
+        at, judged = self._at, self._judged
+        if judged.stop + count > len(self._bits):
+            front = slice(judged.stop - judged.start)
+            self._inputs[:, front] = self._inputs[:, judged]
+            self._bits[front], self._rate_variance[front] = self._bits[judged], self._rate_variance[judged]
+            at["judged_place"], judged = 0, front
+        at["judged"] += count
+        return slice(judged.stop, judged.stop + count)
 
     def judge(self, samples: FootSamples, first: int, end: int) -> None:
         """Judge the ticks `[first, end)`, which follow those judged before; `samples` know T around them."""
         count = end - first
         # Nothing beyond the ticks that every chunking has seen may count.
         horizon = min(len(samples.statistic), end - samples.origin + self._windows.ahead - self._windows.half)
-        inputs, reference = np.empty((3, count)), np.empty(count)
-        bits, rate_variance = np.empty(count, dtype=np.uint8), np.empty((count, 3))
+        new, reference = self._grow(count), np.empty(count)
+        inputs, bits = self._inputs[:, new], self._bits[new]
         place = samples.place(first, end)
         sigma = inputs[0]
         decide(
@@ -59,13 +100,13 @@ class JudgedSamples:
             first,
             end,
             self._windows,
-            self._decision,
+            self.decision,
             reference,
             sigma,
             bits,
         )
         inputs[1] = samples.statistic[place]
-        self._find_noise(samples, place, inputs[2], rate_variance)
+        self._find_noise(samples, place, inputs[2], self._rate_variance[new])
         kind = samples.kind[place]
         if kind.any():
             has_field = (kind & FIELD != 0) & (bits & at.STANCE != 0)
@@ -74,9 +115,6 @@ class JudgedSamples:
             # Where nothing is known the foot is taken to go nowhere, loosely.
             bits[missing] = at.STANCE
             sigma[missing] = LOST_SIGMA_MPS
-        self.inputs = np.concatenate([self.inputs, inputs], axis=1)
-        self.bits = np.concatenate([self.bits, bits])
-        self.rate_variance = np.concatenate([self.rate_variance, rate_variance])
 
     def _find_noise(
         self, samples: FootSamples, place: slice, force_variance: Float, rate_variance: Float
@@ -90,7 +128,7 @@ class JudgedSamples:
             kind if ((kind & CLIPPED) != 0).any() else NOT_CUT_OFF,
             place.start,
             place.stop,
-            self._noise,
+            self.noise,
             force_variance,
             rate_variance,
         )
@@ -120,8 +158,8 @@ class JudgedSamples:
 
     def forget(self, count: int) -> None:
         """Drop the first ticks."""
-        self.inputs, self.bits = self.inputs[:, count:], self.bits[count:]
-        self.rate_variance = self.rate_variance[count:]
+        self._at["judged_place"] += count
+        self._at["judged"] -= count
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that later samples depend on."""
@@ -133,8 +171,10 @@ class JudgedSamples:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state`."""
-        self.inputs, self.bits = np.array(state["inputs"]), np.array(state["bits"])
-        self.rate_variance = np.array(state["rate_variance"])
+        self._at["judged_place"] = self._at["judged"] = 0
+        self._grow(len(state["bits"]))
+        self.inputs[:], self.bits[:] = state["inputs"], state["bits"]
+        self.rate_variance[:] = state["rate_variance"]
 
 
 __all__ = ["JudgedSamples"]

@@ -8,15 +8,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
+from estimators.gait._stance import Windows
 from estimators.gait.foot import layout as at
 from estimators.gait.foot.filter import is_usable_rate
+from estimators.gait.foot.live import ordinary_kernel
+from estimators.gait.foot.live.rows import (
+    BRIDGED,
+    CLIPPED,
+    COLUMNS,
+    MISSING,
+    PIECE_TICKS,
+    FootRows,
+    foot_rows,
+    sizes_of,
+)
+from estimators.gait.foot.live.stream import FootStream
 from estimators.gait.foot.parameters import FootParameters, foot_parameters
-from estimators.gait.foot.samples import BRIDGED, CLIPPED, MISSING
-from estimators.gait.foot.stream import COLUMNS, FootStream
+from estimators.gait.foot.trajectory import COAST_S
 from estimators.orientation._streaming import ChunkGuard, copied, usable_samples
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 Bool = NDArray[np.bool_]
+Released = tuple[Float, NDArray[np.uint8]]
+"""Values (S, K, COLUMNS) and flags (S, K)."""
+_NO_FIELD = np.empty((0, 0, 3))
 
 
 @dataclass(frozen=True)
@@ -90,13 +105,21 @@ class FootTracker:
         self._rate_hz = 1.0 / time_step_s
         if not is_usable_rate(self._rate_hz):
             raise ShapeError(f"a foot cannot be followed at {self._rate_hz:.4g} Hz; use 30 to 2000 Hz")
-        self._streams = [FootStream(self._rate_hz, self._parameters) for _ in range(sensor_count)]
+        chosen, windows = self._parameters, Windows.at_rate(self._rate_hz, self._parameters)
+        block = max(1, round(chosen.release_s * self._rate_hz))
+        self._sizes = sizes_of(windows, block, block * max(1, round(chosen.lag_s / chosen.release_s)))
+        self._rows: FootRows = foot_rows(sensor_count, self._sizes)
+        self._streams = [
+            FootStream(self._rate_hz, chosen, windows, self._sizes, self._rows, s)
+            for s in range(sensor_count)
+        ]
+        self._scales = np.array([chosen.moving_gyroscope_radps, chosen.moving_accelerometer_mps2])
         self._first_tick = -1
 
     @property
     def delay_ticks(self) -> int:
         """Most ticks between a sample and its release."""
-        return self._streams[0].delay
+        return self._sizes.ahead + self._sizes.lag + self._sizes.block
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -105,27 +128,74 @@ class FootTracker:
 
     def update(self, chunk: ImuChunk) -> FootChunk:
         """Take the next ticks; returns what is old enough, which may be nothing."""
-        chunk = self._guard.accept(chunk)
-        if self._first_tick < 0:
-            self._first_tick = chunk.first_tick
-        usable = usable_samples(chunk)
-        kind = np.where(usable, 0, MISSING).astype(np.uint8)
-        kind |= np.where((chunk.quality & SampleQuality.BRIDGED) != 0, BRIDGED, 0).astype(np.uint8)
-        kind |= np.where((chunk.quality & SampleQuality.SATURATED) != 0, CLIPPED, 0).astype(np.uint8)
-        for s, stream in enumerate(self._streams):
-            field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
-            stream.take(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, kind[s])
-        return self._collect(is_end=False)
+        return self._chunk(self._streams[0].released, self.released(chunk))
 
     def finish(self) -> FootChunk:
         """Release what is left, judged without what would have come; no update may follow."""
-        return self._collect(is_end=True)
+        return self._chunk(self._streams[0].released, self._advance(is_end=True))
 
-    def _collect(self, is_end: bool) -> FootChunk:
-        first = self._streams[0].released
+    def released(self, chunk: ImuChunk) -> Released:
+        """Take the next ticks as `update`; returns values, shape (S, K, COLUMNS), and flags, shape (S, K)."""
+        chunk = self._guard.accept(chunk)
+        if self._first_tick < 0:
+            self._first_tick = chunk.first_tick
+        if chunk.tick_count <= PIECE_TICKS:
+            return self._take(chunk)
+        parts = [
+            self._take(chunk.ticks(start, min(start + PIECE_TICKS, chunk.tick_count)))
+            for start in range(0, chunk.tick_count, PIECE_TICKS)
+        ]
+        values, flags = (np.concatenate(some, axis=1) for some in zip(*parts, strict=True))
+        return values, flags
+
+    def _take(self, piece: ImuChunk) -> Released:
+        field = _NO_FIELD if piece.magnetometer_t is None else piece.magnetometer_t
+        if all(stream.is_plain for stream in self._streams) and ordinary_kernel.take(
+            self._rows, piece.gyroscope_radps, piece.accelerometer_mps2, field, piece.quality
+        ):
+            return self._ordinary()
+        usable = usable_samples(piece)
+        kind = np.where(usable, 0, MISSING).astype(np.uint8)
+        kind |= np.where((piece.quality & SampleQuality.BRIDGED) != 0, BRIDGED, 0).astype(np.uint8)
+        kind |= np.where((piece.quality & SampleQuality.SATURATED) != 0, CLIPPED, 0).astype(np.uint8)
+        for s, stream in enumerate(self._streams):
+            own = None if piece.magnetometer_t is None else piece.magnetometer_t[s]
+            stream.take(piece.gyroscope_radps[s], piece.accelerometer_mps2[s], own, kind[s])
+        return self._advance(is_end=False)
+
+    def _ordinary(self) -> Released:
+        """Release what may be, all of it as usual."""
+        sizes, streams = self._sizes, self._streams
+        first = streams[0].released
+        blocks = (streams[0].samples.stop - sizes.ahead - first - sizes.lag) // sizes.block
+        ticks = max(blocks, 0) * sizes.block
+        values = np.empty((len(streams), ticks, COLUMNS))
+        flags = np.empty((len(streams), ticks), dtype=np.uint8)
+        if not ticks:
+            return values, flags
+        one = streams[0]
+        ordinary_kernel.release(
+            self._rows,
+            sizes,
+            1.0 / self._rate_hz,
+            COAST_S * self._rate_hz,
+            self._scales,
+            one.judged.decision,
+            one.judged.noise,
+            one.settings,
+            values,
+            flags,
+        )
+        for s, stream in enumerate(streams):
+            stream.widen(first, values[s], flags[s])
+        return values, flags
+
+    def _advance(self, is_end: bool) -> Released:
         released = [stream.advance(is_end) for stream in self._streams]
-        values = np.stack([values for values, _ in released])
-        flags = np.stack([flags for _, flags in released])
+        return np.stack([values for values, _ in released]), np.stack([flags for _, flags in released])
+
+    def _chunk(self, first: int, released: Released) -> FootChunk:
+        values, flags = released
         sigma = values[:, :, at.STATE :]
         return FootChunk(
             first_tick=max(self._first_tick, 0) + first,
