@@ -72,7 +72,7 @@ def sole_corners(
 
 
 def base_of_support(corners_m: Sequence[Float]) -> Float:
-    """Return the convex hull of all points on the floor, shape (M, 2), counter-clockwise.
+    """Return the convex hull of all points on the floor, shape (M, 2), counter-clockwise from the one of least x.
 
     Parameters
     ----------
@@ -92,7 +92,9 @@ def base_of_support(corners_m: Sequence[Float]) -> Float:
         hull = scipy.spatial.ConvexHull(points)
     except scipy.spatial.QhullError:
         return np.empty((0, 2))
-    return np.asarray(points[hull.vertices])
+    corners = points[hull.vertices]
+    # Where the list begins is left open by the library, and differs between processors.
+    return np.asarray(np.roll(corners, -int(np.argmin(corners[:, 0])), axis=0))
 
 
 def margin_to_edge(point_m: Float, polygon_m: Float) -> float:
