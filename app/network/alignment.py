@@ -15,7 +15,7 @@ from app.errors import PacketError
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
 from app.network.packet import Packet
-from app.network.placing.slot import SNAP_TICKS, Network
+from app.network.placing.slot import SNAP_TICKS, Network, carried_by
 from app.network.unpack import Unpacker
 from app.sentences import say
 from estimators.channels import CARRIED, INERTIAL, Channel, ChannelSpec
@@ -72,6 +72,8 @@ class Aligner:
         self._rows_known = 0
         """How many of the last two rows are known, the last one first; one where the packet held only one."""
         self._last_carried = _NOTHING
+        self.carried_mask = 0
+        """Bits of the channels beside motion that the last packet carried."""
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
         self.late_packets = 0
@@ -94,8 +96,8 @@ class Aligner:
 
     @property
     def is_in_order(self) -> bool:
-        """Whether nothing is awaited and nothing but motion was carried: compiled code may take the next packet."""
-        return self._unpacker is not None and not self._waiting and self._last_carried is _NOTHING
+        """Whether nothing is awaited: compiled code may take the next packet."""
+        return self._unpacker is not None and not self._waiting
 
     @property
     def channel_count(self) -> int:
@@ -108,17 +110,30 @@ class Aligner:
         self._rows = into_row(self._rows, network.last_rows[slot])
         self.clip_levels = into_row(self.clip_levels, network.clip_levels[slot])
         self._unpacker.share(network.last_sent[slot], network.same_ticks[slot], self.clip_levels)
+        row, first = network.carried[slot], 0
+        views: dict[str, Float] = {}
+        for spec in carried_by(self.carried_mask):
+            own = row[:, np.newaxis, first : first + spec.width]
+            views[spec.field] = own if spec.width > 1 else own[:, :, 0]
+            views[spec.field][...] = self._before(spec.field, views[spec.field])
+            first += spec.width
+        self._last_carried = views or _NOTHING
+        if network.cells:
+            self._unpacker.share_cells(
+                network.carried_sent[slot][:, : network.cells], network.carried_same[slot]
+            )
 
     def own(self) -> None:
         """Go on over arrays of its own."""
         self._rows, self.clip_levels = self._rows.copy(), self.clip_levels.copy()
+        self._last_carried = {name: values.copy() for name, values in self._last_carried.items()} or _NOTHING
         if self._unpacker is not None:
             self._unpacker.own(self.clip_levels)
 
     def fill(self, x: Any) -> None:
         """Write into a record of `SLOT` what the next packet in order must fit."""
         assert self._unpacker is not None
-        self._unpacker.fill(x)
+        self._unpacker.fill(x, carried_by(self.carried_mask))
         x["next_tick"], x["last_position"] = self._next_tick, self._last_position
         x["rows_known"] = self._rows_known
         x["step_us"], x["rate_hz"] = self._step_us, self._declaration.rate_hz
@@ -196,7 +211,8 @@ class Aligner:
         self._next_sequence = sequence + 1
         self._released_end_us = time_us + ticks * packet.tick_interval_us
         signals, quality = self._unpacker.unpack(packet)
-        carried = self._unpacker.carried(packet) if packet.channels & _CARRIED_BITS else _NOTHING
+        self.carried_mask = packet.channels & _CARRIED_BITS
+        carried = self._unpacker.carried(packet) if self.carried_mask else _NOTHING
         position = time_us / self._step_us
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from app.network.declaration import Declaration
 from app.network.packet import FLOAT32, INT16, Packet, PacketFlag
 from app.network.unpack_kernel import unpack
-from estimators.channels import CARRIED, MOTION, Channel
+from estimators.channels import CARRIED, MOTION, Channel, ChannelSpec
 from estimators.recording import Float, SampleQuality
 
 STUCK_LIMIT_S = 0.5
@@ -61,11 +61,22 @@ class Unpacker:
         """Go on over arrays of its own, and these clip levels."""
         self._last_sent, self._same_ticks = self._last_sent.copy(), self._same_ticks.copy()
         self._clip_levels = clip_levels
+        self._last_values = {cell: values.copy() for cell, values in self._last_values.items()}
+        self._same_values = {cell: ticks.copy() for cell, ticks in self._same_values.items()}
 
-    def fill(self, x: Any) -> None:
-        """Write into a record of `SLOT` how packets are unpacked."""
+    def share_cells(self, last: Float, same_ticks: NDArray[np.int64]) -> None:
+        """Go on over these arrays for the only cell there is, shapes (S, width) and (S,)."""
+        for cell in self._last_values:
+            last[...], same_ticks[...] = self._last_values[cell], self._same_values[cell]
+            self._last_values[cell], self._same_values[cell] = last, same_ticks
+
+    def fill(self, x: Any, carried: tuple[ChannelSpec, ...]) -> None:
+        """Write into a record of `SLOT` how packets are unpacked that carry these channels beside motion."""
         scales, count_clips = self._of_encoding[INT16]
-        x["mask"] = sum(int(spec.bit) for spec in MOTION[: self.channel_count])
+        x["mask"] = sum(int(spec.bit) for spec in (*MOTION[: self.channel_count], *carried))
+        x["width"] = 3 * self.channel_count + sum(spec.width for spec in carried)
+        columns = [self._scales.get(spec.name, 1.0) for spec in carried for _ in range(spec.width)]
+        x["carried_scale"][: len(columns)] = columns
         x["countable"] = bool(np.isfinite(scales[: self.channel_count]).all())
         x["stuck_ticks"], x["scale"], x["count_clip"] = self._stuck_ticks, scales, count_clips
         x["clip"] = self._of_encoding[FLOAT32][1]
@@ -136,13 +147,13 @@ class Unpacker:
     def _leave_out_stuck(self, cell: str, parts: list[Float]) -> None:
         values = np.concatenate(parts, axis=2)
         sensors, ticks, width = values.shape
-        last = self._last_values.get(cell, np.full((sensors, width), np.nan))
-        same_ticks = self._same_values.get(cell, np.zeros(sensors, dtype=np.int64))
+        last = self._last_values.setdefault(cell, np.full((sensors, width), np.nan))
+        same_ticks = held = self._same_values.setdefault(cell, np.zeros(sensors, dtype=np.int64))
         before = np.concatenate([last[:, None], values[:, :-1]], axis=1)
         same = (values == before).all(axis=2) & values.any(axis=2)
-        self._last_values[cell] = values[:, -1]
+        last[:] = values[:, -1]
         for k in range(ticks) if same.any() else ():
             same_ticks = np.where(same[:, k], same_ticks + 1, 0)
             for part in parts:
                 part[same_ticks >= self._stuck_ticks, k] = np.nan
-        self._same_values[cell] = same_ticks if same.any() else np.zeros_like(same_ticks)
+        held[:] = same_ticks if same.any() else 0

@@ -2,9 +2,10 @@
 
 A pool holds the states of some sessions with equal sensors and settings, sessions leading. A pipeline that joins it
 goes on over views of its rows: whichever way takes the next ticks, the pooled step or `Pipeline.step`, finds what the
-other left. A kind has a pool when it has a compiled step; one without runs through `Pipeline.step` alone.
+other left. A kind has a pool of its own when it has a compiled step for many sessions; others are in a `StepPool`.
 """
 
+from collections.abc import Hashable, Mapping
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from estimators.kernels import record
 from estimators.pipelines._contract import FrameLayout, Frames, Pipeline
-from estimators.recording import Float
+from estimators.recording import Float, ImuChunk
 
 STRETCH: Final = record(
     [
@@ -60,6 +61,8 @@ class Pool(Protocol):
     """How many it has room for."""
     columns: Columns
     """What `step` has written, in the rows that its stretches name."""
+    errors: dict[int, Exception]
+    """What the pipelines of some slots raised in the last step; nothing was written of these."""
 
     def join(self, slot: int, pipeline: Pipeline) -> bool:
         """Let a pipeline go on over the rows of a slot; False when it cannot, as it stands now.
@@ -71,9 +74,14 @@ class Pool(Protocol):
         """Give a pipeline arrays of its own again."""
 
     def step(
-        self, stretches: NDArray[np.void], count: int, signals: Float, quality: NDArray[np.uint8]
+        self,
+        stretches: NDArray[np.void],
+        count: int,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        carried: Float,
     ) -> None:
-        """Take the next ticks of some sessions, without the interpreter's lock.
+        """Take the next ticks of some sessions; one that is compiled does so without the interpreter's lock.
 
         Parameters
         ----------
@@ -84,6 +92,8 @@ class Pool(Protocol):
             Gyroscope, accelerometer and, with a magnetometer, field, shape (channels, S, K, 3) each, as in `ImuChunk`.
         quality : ndarray of uint8, shape (samples,)
             Shape (S, K) each.
+        carried : ndarray, shape (values,)
+            What the sensors sent beside motion, shape (S, K, W) each.
         """
 
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
@@ -108,4 +118,118 @@ def columns(ticks: int, layout: FrameLayout) -> Columns:
     )
 
 
-__all__ = ["STRETCH", "Columns", "Pool", "columns"]
+_SHOWN: Final = (
+    "point_room_m",
+    "angle_rad",
+    "angle_sigma_rad",
+    "scalar",
+    "segment_flags",
+    "angle_flags",
+)
+"""Columns of the blocks that are shown live."""
+
+
+class StepPool:
+    """Sessions whose pipelines are called one by one; implements `Pool`.
+
+    Parameters
+    ----------
+    like : Pipeline
+        One of the sessions, which `key` accepts.
+    channels : int
+        Two, or three with a magnetometer.
+    sessions : int
+        Room for so many.
+    rows : int
+        Of `columns`.
+    carried : mapping of str to slice
+        Fields of `ImuChunk` that come beside motion, and their columns.
+    """
+
+    def __init__(
+        self, like: Pipeline, channels: int, sessions: int, rows: int, carried: Mapping[str, slice]
+    ) -> None:
+        self.sessions = sessions
+        self.columns = columns(rows, like.layout)
+        self.errors: dict[int, Exception] = {}
+        self._channels, self._sensors = channels, len(like.setup.placements)
+        self._time_step_s = 1.0 / like.setup.rate_hz
+        self._carried = dict(carried)
+        self._width = sum(part.stop - part.start for part in carried.values())
+        self._pipelines: dict[int, Pipeline] = {}
+        self._made: dict[int, dict[int, Frames]] = {}
+        """Of each slot: frames by their first row, since the rows were last written from the start."""
+        self._rows_each = rows // sessions
+
+    @staticmethod
+    def key(pipeline: Pipeline) -> Hashable | None:
+        """Return what sessions of a pool have in common."""
+        return pipeline.setup.placements, pipeline.setup.rate_hz, pipeline.layout
+
+    def join(self, slot: int, pipeline: Pipeline) -> bool:
+        """Let a pipeline take the ticks of a slot; see `Pool.join`."""
+        self._pipelines[slot] = pipeline
+        return True
+
+    def leave(self, slot: int, pipeline: Pipeline) -> None:
+        """Free a slot."""
+        self._pipelines.pop(slot, None)
+        self._made.pop(slot, None)
+
+    def step(
+        self,
+        stretches: NDArray[np.void],
+        count: int,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        carried: Float,
+    ) -> None:
+        """Take the next ticks of some sessions; see `Pool.step`."""
+        self.errors = {}
+        for slot, first_tick, ticks, signals_at, quality_at, tick_at in stretches[:count].tolist():
+            if not ticks or slot in self.errors:
+                continue
+            samples = self._sensors * ticks
+            found = signals[signals_at : signals_at + 3 * self._channels * samples]
+            # Pipelines may hold on to what they are given; the room is written anew in the next turn.
+            found = found.reshape(self._channels, self._sensors, ticks, 3).copy()
+            beside = carried[self._width * quality_at : self._width * (quality_at + samples)]
+            beside = beside.reshape(self._sensors, ticks, self._width)
+            chunk = ImuChunk(
+                first_tick,
+                self._time_step_s,
+                found[0],
+                found[1],
+                found[2] if self._channels == 3 else None,
+                quality[quality_at : quality_at + samples].reshape(self._sensors, ticks).copy(),
+                **{name: _values(beside[:, :, part]) for name, part in self._carried.items()},
+            )
+            try:
+                frames = self._pipelines[slot].step(chunk)
+            except Exception as error:
+                self.errors[slot] = error
+                continue
+            if tick_at % self._rows_each == 0:
+                self._made[slot] = {}
+            self._made[slot][tick_at] = frames
+            for name in _SHOWN:
+                getattr(self.columns, name)[tick_at : tick_at + ticks] = getattr(frames, name)
+
+    def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
+        """Do nothing: a pipeline knows what it has taken."""
+
+    def frames(self, first_tick: int, start: int, stop: int) -> Frames:
+        """Return some rows as frames; see `Pool.frames`."""
+        made, parts = self._made[start // self._rows_each], []
+        while start < stop:
+            parts.append(made[start])
+            start += parts[-1].tick_count
+        return Frames.join(parts).as_stored_live()
+
+
+def _values(beside: Float) -> Float:
+    """Return a channel of (S, K, width) as its field of a chunk."""
+    return beside.copy() if beside.shape[2] > 1 else beside[:, :, 0].copy()
+
+
+__all__ = ["STRETCH", "Columns", "Pool", "StepPool", "columns"]

@@ -76,6 +76,10 @@ class ForceWatch:
             if name not in names:
                 continue
             states = frames.scalar[:, names.index(name)]
+            before = self._since.get(side, (-1, 0))[0]
+            if (states == before).all() and (FORCE_STATES[before] in _BAD) == self._told.get(side, False):
+                # Nearly always: nothing has changed, and what there is to report was reported.
+                continue
             for offset in np.flatnonzero(np.isfinite(states)).tolist():
                 tick, state = frames.first_tick + offset - self._delay, int(states[offset])
                 last, since = self._since.get(side, (-1, tick))

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from app.sentences import say
-from estimators.recording import ImuChunk
+from estimators.recording import Float
 
 KIND: Final = "source_unasked"
 GRACE_S: Final = 1.0
@@ -33,27 +33,43 @@ class StraySource:
         self._stopped_s: float | None = None
         self._is_told = False
 
-    def add(self, chunk: ImuChunk, placements: tuple[str, ...], is_allowed: bool | None) -> None:
-        """Take ticks; `is_allowed` says whether the source may fire, None that the session has none.
+    def add(
+        self,
+        first_s: float,
+        time_step_s: float,
+        coil_state: Float | None,
+        placements: tuple[str, ...],
+        is_allowed: bool | None,
+    ) -> None:
+        """Take ticks, reported once, and once more each time a source was stopped.
 
-        Reported once, and once more each time a source was stopped.
+        Parameters
+        ----------
+        first_s : float
+            Session time of the first tick.
+        time_step_s : float
+        coil_state : ndarray, shape (S, K), or None
+            As the sensors sent it; None where they sent none.
+        placements : tuple of str
+            Of the S sensors.
+        is_allowed : bool or None
+            Whether the source may fire; None where the session has none.
         """
         if is_allowed:
             self._stopped_s, self._is_told = None, False
             return
-        first_s = chunk.first_tick * chunk.time_step_s
         if is_allowed is False and self._stopped_s is None:
             self._stopped_s = first_s
-        if chunk.coil_state is None or self._is_told:
+        if coil_state is None or self._is_told:
             return
-        on = np.nan_to_num(chunk.coil_state) != 0.0
+        on = np.nan_to_num(coil_state) != 0.0
         if self._stopped_s is not None:
-            on[:, first_s + np.arange(on.shape[1]) * chunk.time_step_s < self._stopped_s + GRACE_S] = False
+            on[:, first_s + np.arange(on.shape[1]) * time_step_s < self._stopped_s + GRACE_S] = False
         if on.any():
             row, tick = (int(index) for index in np.argwhere(on)[0])
             self._is_told = True
             words = _NO_SOURCE if is_allowed is None else _STOPPED
-            self._tell(KIND, first_s + tick * chunk.time_step_s, placements[row], words)
+            self._tell(KIND, first_s + tick * time_step_s, placements[row], words)
 
 
 __all__ = ["KIND", "StraySource"]

@@ -32,7 +32,7 @@ from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import Declaration
 from app.network.packet_run import PacketRun, runs_of
 from estimators.pipelines import Frames, Pipeline
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
@@ -70,6 +70,7 @@ class Pooled(Protocol):
     machine: StateMachine
     channels: dict[str, Channel]
     guidance: Any
+    actuation: Any
 
     @property
     def is_plain(self) -> bool:
@@ -81,6 +82,9 @@ class Pooled(Protocol):
 
     def show(self, frames: Frames) -> None:
         """Give frames to whoever wants them at once."""
+
+    def watch_source(self, first_tick: int, coil_state: Float | None) -> None:
+        """Look whether a coil is on that nobody asked for."""
 
     def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
         """Store and count packets that were placed in order."""
@@ -96,7 +100,7 @@ class Slots(Protocol):
     """Where lanes get their places."""
 
     def slot_for(
-        self, key: Hashable, like: Pipeline, channels: int, recent_ticks: int
+        self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
     ) -> tuple[SessionPool, int]:
         """Return a pool for a session of this key, and a free slot in it."""
 
@@ -178,14 +182,14 @@ class Lane:
             or parts.ledger.received.highest != clock.highest
         ):
             return False
-        key = pool_key(pipeline, aligner.channel_count)
+        key = pool_key(pipeline, aligner.channel_count, aligner.carried_mask)
         if key is None:
             self.leave()
             return False
         if key != self._key:
             self.leave()
             self.pool, self.slot = self._engine.slot_for(
-                key, pipeline, aligner.channel_count, session.recent.ticks
+                key, pipeline, aligner.channel_count, aligner.carried_mask, session.recent.ticks
             )
             self._key = key
         pool = self.pool
@@ -250,8 +254,15 @@ class Lane:
         health = session.now.health
         health.latencies_s.append(now_s - arrival_s)
         guidance = session.guidance
-        if self._frames.listeners or (guidance is not None and guidance.is_following):
+        if (
+            self._frames.listeners
+            or (guidance is not None and guidance.is_following)
+            or session.actuation is not None
+        ):
             session.show(self.pool.frames(row[FIRST_TICK], row[TICK_AT], ticks))
+        if self.pool.has_coils or session.actuation is not None:
+            coils = self.pool.carried(row, "coil_state")
+            session.watch_source(row[FIRST_TICK], None if coils is None else coils[:, :, 0])
         if row[IS_FLAWED] or health.has_gaps:
             self.settle()
             # What is found of a sensor may move the session.

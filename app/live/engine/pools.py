@@ -11,10 +11,11 @@ from app.live.checks.recent import LATE_TICKS
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
 from app.network.placing.kernel import place
-from app.network.placing.slot import ITEM, MOST_TICKS, Network, network_rows, room_for
+from app.network.placing.slot import ITEM, MOST_TICKS, Network, carried_by, network_rows, room_for
+from estimators.channels import CARRIED
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
-from estimators.pipelines.pooled import STRETCH, Pool
+from estimators.pipelines.pooled import STRETCH, Pool, StepPool
 
 SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
@@ -22,8 +23,6 @@ FRAME_ROWS: Final = LATE_TICKS
 """Ticks of a session whose frames wait until they are stored and shown to whoever wants all of them."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
-_KINDS: Final = (ArmPool,)
-"""Kinds with a compiled step."""
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
 _PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}
 STATUS, SEQUENCE, TIME_US, DURATION_US = (
@@ -35,29 +34,57 @@ QUALITY_AT: Final = _PLACES["quality_at"]
 """Places of the values of a row."""
 
 
-def pool_key(pipeline: Pipeline, channels: int) -> Hashable | None:
-    """Return what sessions of a pool have in common; None for one that can be in none."""
-    for kind in _KINDS:
-        key = kind.key(pipeline)
-        if key is not None:
-            return kind, channels, key
-    return None
+def pool_key(pipeline: Pipeline, channels: int, carried: int) -> Hashable | None:
+    """Return what sessions of a pool have in common; None for one that can be in none.
+
+    Parameters
+    ----------
+    pipeline : Pipeline
+    channels : int
+        Of motion.
+    carried : int
+        Bits of those beside it.
+    """
+    cells = {spec.cell for spec in carried_by(carried) if spec.cell}
+    if any(spec.cell in cells and not carried & spec.bit for spec in CARRIED):
+        # Half a cell takes the general way.
+        return None
+    key = ArmPool.key(pipeline)
+    if key is not None:
+        return ArmPool, channels, carried, key
+    return StepPool, channels, carried, StepPool.key(pipeline)
+
+
+def _columns(carried: int) -> dict[str, slice]:
+    """Return where the channels beside motion are, by field of `ImuChunk`."""
+    found, first = {}, 0
+    for spec in carried_by(carried):
+        found[spec.field] = slice(first, first + spec.width)
+        first += spec.width
+    return found
 
 
 class SessionPool:
     """Rows for some sessions of one kind."""
 
-    def __init__(self, like: Pipeline, channels: int, recent_ticks: int) -> None:
+    def __init__(self, like: Pipeline, channels: int, carried: int, recent_ticks: int) -> None:
         sensors = len(like.setup.placements)
         most_ticks = ITEMS * MOST_TICKS
-        kind = next(kind for kind in _KINDS if kind.key(like) is not None)
-        self.kind: Pool = kind(like, channels, SESSIONS, SESSIONS * FRAME_ROWS)  # type: ignore[arg-type]
+        rows = SESSIONS * FRAME_ROWS
+        self.kind: Pool
+        if ArmPool.key(like) is not None:
+            self.kind = ArmPool(like, channels, SESSIONS, rows)  # type: ignore[arg-type]
+        else:
+            self.kind = StepPool(like, channels, SESSIONS, rows, _columns(carried))
         self.sensors = sensors
-        self.network: Network = network_rows(SESSIONS, channels, sensors, recent_ticks)
+        self.network: Network = network_rows(SESSIONS, channels, sensors, recent_ticks, carried)
         self.free = list(range(SESSIONS))[::-1]
         self._items = np.zeros(ITEMS, dtype=ITEM)
         self._stretches = np.zeros(ITEMS, dtype=STRETCH)
-        self._placed = room_for(channels, sensors, most_ticks)
+        self._placed = room_for(channels, sensors, most_ticks, carried)
+        self._carried = _columns(carried)
+        self.has_coils = "coil_state" in self._carried
+        """Whether the sensors say which coil is on."""
         self._width = len(column_names(like.layout))
         self._numbers = np.empty(most_ticks * (self._width + HEAD_WORDS), dtype=np.float32)
         self._words = self._numbers.view(np.uint32)
@@ -89,7 +116,11 @@ class SessionPool:
         place(self._items, count, journal.packets, self.network, self._placed, FRAME_ROWS)
         for name in _STEP_FIELDS:
             self._stretches[name][:count] = items[name]
-        self.kind.step(self._stretches, count, self._placed.signals, self._placed.quality)
+        self.kind.step(
+            self._stretches, count, self._placed.signals, self._placed.quality, self._placed.carried
+        )
+        for slot in self.kind.errors:
+            items["ticks"][items["slot"] == slot] = 0
         rows: list[tuple[Any, ...]] = items.tolist()
         return rows
 
@@ -106,6 +137,16 @@ class SessionPool:
         """
         assert row // FRAME_ROWS == (row + ticks - 1) // FRAME_ROWS, "frames of another session"
         return self.kind.frames(first_tick, row, row + ticks)
+
+    def carried(self, row: tuple[Any, ...], name: str) -> NDArray[np.float64] | None:
+        """Return a channel of a packet that comes beside motion, shape (S, K, width); None where it has none."""
+        part = self._carried.get(name)
+        if part is None:
+            return None
+        width, samples = self.network.carried.shape[2], self.sensors * row[TICKS]
+        first = width * row[QUALITY_AT]
+        found = self._placed.carried[first : first + width * samples]
+        return found.reshape(self.sensors, row[TICKS], width)[:, :, part]
 
     def settled(self, slot: int) -> None:
         """Let the rows of a session's frames be written anew."""

@@ -43,14 +43,14 @@ class PooledEngine:
         self.longest_turn_s = 0.0
 
     def slot_for(
-        self, key: Hashable, like: Pipeline, channels: int, recent_ticks: int
+        self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
     ) -> tuple[SessionPool, int]:
         """Return a pool for a session of this key, and a free slot in it."""
         pools = self._pools.setdefault((key, recent_ticks), [])
         for pool in pools:
             if pool.free:
                 return pool, pool.free.pop()
-        pool = SessionPool(like, channels, recent_ticks)
+        pool = SessionPool(like, channels, carried, recent_ticks)
         pools.append(pool)
         return pool, pool.free.pop()
 
@@ -176,6 +176,8 @@ class PooledEngine:
                 # One session's fault must not reach the others of its turn.
                 logger.exception("a packet of session %s could not be taken", lane.session.id)
                 lane.session.line.stop(error)
+        for slot, raised in pool.kind.errors.items():
+            next(lane for _, lane in items if lane.slot == slot).session.line.stop(raised)
         self.ordinary += len(items) - rare
         metrics.packets += len(items) - rare
         if not rare:

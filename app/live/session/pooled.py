@@ -14,6 +14,7 @@ from app.live.checks.first_seconds import FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.health import LinkHealth
 from app.live.checks.recent import RecentSamples
+from app.live.checks.stray_source import StraySource
 from app.live.engine.lane import ARRIVAL_S, Lane, Parts, TakenPacket
 from app.live.engine.pools import DURATION_US, TIME_US
 from app.live.guidance.desk import GuidanceDesk
@@ -38,6 +39,7 @@ class PooledSession(CalibratedSession):
     duplicates: int
     guidance: GuidanceDesk | None
     _forces: ForceWatch | None
+    _stray: StraySource
     _first_seconds: FirstSeconds
     _has_store_failed: bool
     _last_arrival_s: float
@@ -107,8 +109,6 @@ class PooledSession(CalibratedSession):
             self.line.is_idle
             and not self._calibration.is_active
             and not self._has_store_failed
-            and self.actuation is None
-            and self._forces is None
             and self._writer.has_room(self.id)
         )
 
@@ -123,6 +123,24 @@ class PooledSession(CalibratedSession):
             self.channels["frames"].publish(PublishedFrames(frames, time.time()))
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
+        if self.actuation is not None:
+            self.actuation.take(frames, self.now.clock.declaration, is_live=True)
+
+    def watch_source(self, first_tick: int, coil_state: Float | None) -> None:
+        """Look whether a coil is on that nobody asked for; `coil_state` of (S, K) ticks, None where none was sent."""
+        if coil_state is not None or self.actuation is not None:
+            declaration = self.now.clock.declaration
+            allowed = None if self.actuation is None else self.actuation.is_allowed
+            step_s = declaration.time_step_s
+            self._stray.add(first_tick * step_s, step_s, coil_state, declaration.placements, allowed)
+
+    def _watch_forces(self, frames: Frames) -> None:
+        if self._forces is None:
+            return
+        for change in self._forces.add(frames):
+            kind = "forces_lost" if change.is_lost else "forces_back"
+            at_s = change.tick * frames.time_step_s
+            self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
 
     def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
         """Store and count packets that are not back-filled and were placed in order."""
@@ -150,6 +168,7 @@ class PooledSession(CalibratedSession):
         health.add_whole(whole)
         if chunk is not None:
             self._tell_changes(chunk)
+        self._watch_forces(frames)
         self._first_seconds.seen(frames.first_tick, frames.first_tick + ticks)
 
     def store_frames(self, frames: Frames) -> None:

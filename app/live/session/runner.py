@@ -195,17 +195,11 @@ class LiveSession(PooledSession):
             self.now.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:
             self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
-        if chunk.coil_state is not None or self.actuation is not None:
-            allowed = None if self.actuation is None else self.actuation.is_allowed
-            self._stray.add(chunk, self.declaration.placements, allowed)
+        self.watch_source(chunk.first_tick, chunk.coil_state)
         self.store_frames(frames)
         self.now.health.set_flags(frames.layout.segments, frames.segment_flags)
         self._tell_changes(chunk)
-        if self._forces is not None:
-            for change in self._forces.add(frames):
-                kind = "forces_lost" if change.is_lost else "forces_back"
-                at_s = change.tick * frames.time_step_s
-                self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
+        self._watch_forces(frames)
         if self._calibration.is_active:
             self._calibration.add(chunk)
         self._first_seconds.add(chunk)

@@ -53,6 +53,10 @@ _CLIPPED: Final = int(PacketFlag.SATURATED)
 _FLOAT32, _INT16 = 0, 1
 _BRIDGED, _MISSING = int(SampleQuality.BRIDGED), int(SampleQuality.MISSING)
 _NUMBERS, _QUALITIES = types.float64[::1], types.uint8[::1]
+_INERTIAL: Final = 6
+"""Values of gyroscope and accelerometer, the first of a sensor."""
+_LARGEST_COUNT: Final = 32766.5
+"""A count beyond is at its end."""
 _LONGEST_GAP_US: Final = 1_000_000
 """A later packet leaves a gap that the general way fills, or starts another clock."""
 
@@ -68,7 +72,7 @@ def _number(data: NDArray[np.uint8], packet: int, field: tuple[int, int]) -> np.
 
 
 @borrowing()
-def _has_place(item: Record, x: Record, packets: Packets, sensors: int, width: int) -> bool:
+def _has_place(item: Record, x: Record, packets: Packets, sensors: int) -> bool:
     """Check header, order and clock, and note them in the item; True when the packet comes next in its session."""
     at, size, journal, tables = item.offset, item.length, packets.data, packets.tables
     if size < HEADER_BYTES or _number(journal, at, _MAGIC_FIELD) != np.uint64(_MAGIC):
@@ -90,7 +94,7 @@ def _has_place(item: Record, x: Record, packets: Packets, sensors: int, width: i
         or not MIN_TICK_INTERVAL_US <= interval_us <= MAX_TICK_INTERVAL_US
         or not 0.9 < interval_us * 1e-6 * x.rate_hz < 1.1
         or (encoding == _INT16 and x.countable == 0)
-        or size != HEADER_BYTES + ticks * sensors * width * (2 if encoding == _INT16 else 4)
+        or size != HEADER_BYTES + ticks * sensors * x.width * (2 if encoding == _INT16 else 4)
     ):
         return False
     sequence = x.next_sequence
@@ -124,7 +128,7 @@ def _unpacked(
 ) -> None:
     """Unpack the item's values at the ticks of the device."""
     channels, sensors, ticks = signals.shape[0], signals.shape[1], signals.shape[2]
-    width, at = 3 * channels, item.offset + HEADER_BYTES
+    width, at = x.width, item.offset + HEADER_BYTES
     is_clipped = packets.data[item.offset + _FLAGS] == _CLIPPED
     size = ticks * sensors * width
     levels, last, same = network.clip_levels[s], network.last_sent[s], network.same_ticks[s]
@@ -136,6 +140,43 @@ def _unpacked(
         given = packets.numbers[at // 4 : at // 4 + size].reshape((ticks, sensors, width))
         scale, clip = ones[:channels], x.clip[:]
         unpack(given, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
+
+
+@borrowing()
+def _carry(s: int, x: Record, item: Record, packets: Packets, network: Network, carried: Float) -> None:
+    """Unpack what comes beside motion into `carried`, shape (S, K, W); as `Unpacker.carried`."""
+    sensors, ticks, columns = carried.shape
+    width, first, at = x.width, x.width - columns, item.offset + HEADER_BYTES
+    is_counts = packets.data[item.offset + _ENCODING] == _INT16
+    for i in range(sensors):
+        for k in range(ticks):
+            row = (k * sensors + i) * width
+            nothing, same = True, network.cells > 0
+            for c in range(_INERTIAL):
+                if is_counts:
+                    nothing &= packets.counts[at // 2 + row + c] == 0
+                else:
+                    nothing &= packets.numbers[at // 4 + row + c] == 0.0
+            is_any = False
+            for c in range(columns):
+                if is_counts:
+                    value = float(packets.counts[at // 2 + row + first + c])
+                    value = np.nan if abs(value) > _LARGEST_COUNT else value * x.carried_scale[c]
+                else:
+                    value = float(packets.numbers[at // 4 + row + first + c])
+                if nothing:
+                    value = np.nan
+                if c < network.cells:
+                    same &= value == network.carried_sent[s, i, c]
+                    is_any |= value != 0.0
+                network.carried_sent[s, i, c] = value
+                carried[i, k, c] = value
+            network.carried_same[s, i] = network.carried_same[s, i] + 1 if same and is_any else 0
+            if network.carried_same[s, i] >= x.stuck_ticks:
+                for c in range(network.cells):
+                    carried[i, k, c] = np.nan
+        for c in range(columns):
+            network.carried[s, i, c] = carried[i, ticks - 1, c]
 
 
 @borrowing()
@@ -234,7 +275,8 @@ def _between(
 ) -> bool:
     """Place samples between common ticks; False, and nothing changed, when there is a hole before or in them."""
     channels, sensors, ticks = network.last_rows.shape[1], network.last_rows.shape[2], item.ticks
-    if x.rows_known == 0 or position - x.last_position - 1.0 > x.bridge_ticks:
+    # What comes beside motion has rules of its own between the common ticks.
+    if network.carried.shape[2] or x.rows_known == 0 or position - x.last_position - 1.0 > x.bridge_ticks:
         return False
     places = placed.places[: ticks + 1]
     places[0] = x.last_position
@@ -317,11 +359,7 @@ def _take(
     s = item.slot
     channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
     was_blocked, x.is_blocked = x.is_blocked, 1
-    if (
-        was_blocked
-        or x.frame_row + MOST_TICKS > frame_rows
-        or not _has_place(item, x, packets, sensors, 3 * channels)
-    ):
+    if was_blocked or x.frame_row + MOST_TICKS > frame_rows or not _has_place(item, x, packets, sensors):
         item.ticks = 0
         return
     if not _are_usable(item, packets) or not _placed(s, item, x, packets, network, placed):
@@ -333,6 +371,10 @@ def _take(
     item.next_tick, item.last_position, item.rows_known = x.next_tick, x.last_position, x.rows_known
     x.next_sequence = item.sequence + 1
     x.highest_time_us, x.highest_duration_us = item.time_us, item.duration_us
+    columns = network.carried.shape[2]
+    if columns:
+        a, b = item.quality_at * columns, (item.quality_at + sensors * item.ticks) * columns
+        _carry(s, x, item, packets, network, placed.carried[a:b].reshape((sensors, item.ticks, columns)))
     if item.ticks > 0:
         first, at, samples = item.signals_at, item.quality_at, sensors * item.ticks
         _remember(
@@ -360,8 +402,23 @@ def _take(
             types.float64[:, :, :, :, ::1],
             types.float64[:, :, :, :, ::1],
             types.uint8[:, :, ::1],
+            types.float64[:, :, ::1],
+            types.float64[:, :, ::1],
+            types.int64[:, ::1],
+            types.int64,
         ),
-        bundle(Placed, _NUMBERS, _QUALITIES, _NUMBERS, _QUALITIES, _NUMBERS, _QUALITIES, _NUMBERS, _NUMBERS),
+        bundle(
+            Placed,
+            _NUMBERS,
+            _QUALITIES,
+            _NUMBERS,
+            _NUMBERS,
+            _QUALITIES,
+            _NUMBERS,
+            _QUALITIES,
+            _NUMBERS,
+            _NUMBERS,
+        ),
         types.int64,
     )
 )

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.channels import CARRIED, ChannelSpec
 from estimators.kernels import record
 from estimators.recording import Float
 
@@ -16,6 +17,7 @@ MOST_TICKS: Final = 65
 """Common ticks of a packet: of the longest, and one more off the grid; one with more takes the general way."""
 SNAP_TICKS: Final = 0.05
 """Device ticks this close to the common tick are taken as they are; others are interpolated."""
+MOST_CARRIED: Final = sum(spec.width for spec in CARRIED)
 SLOT: Final = record(
     [
         # Clock: what must come next, the epoch in force, and the newest packet.
@@ -33,6 +35,9 @@ SLOT: Final = record(
         ("bridge_ticks", "i8"),
         # Declaration: what a packet must be, SI values of a count, clip levels of floats and of counts.
         ("mask", "i8"),
+        # Values of a sensor and tick, and SI values of a count of those that are carried beside motion.
+        ("width", "i8"),
+        ("carried_scale", "f8", MOST_CARRIED),
         ("countable", "i8"),
         ("stuck_ticks", "i8"),
         ("scale", "f8", 3),
@@ -90,6 +95,12 @@ class Network(NamedTuple):
     recent : ndarray, shape (N, C, S, R, 3)
         The newest R ticks in a ring, tick modulo R.
     recent_quality : ndarray of uint8, shape (N, S, R)
+    carried, carried_sent : ndarray, shape (N, S, W)
+        The last values of the channels that are carried beside motion, as `Aligner` and `Unpacker` carry them on.
+    carried_same : ndarray of int64, shape (N, S)
+        For how long the cells of a sensor have repeated themselves.
+    cells : int
+        How many of the W belong to cells; the first ones.
     """
 
     slot: NDArray[np.void]
@@ -99,6 +110,10 @@ class Network(NamedTuple):
     last_rows: Float
     recent: Float
     recent_quality: NDArray[np.uint8]
+    carried: Float
+    carried_sent: Float
+    carried_same: NDArray[np.int64]
+    cells: int
 
 
 class Packets(NamedTuple):
@@ -129,6 +144,8 @@ class Placed(NamedTuple):
     ----------
     signals : ndarray, shape (values,)
     quality : ndarray of uint8, shape (samples,)
+    carried : ndarray, shape (values,)
+        Of channels beside motion, shape (S, K, W) each.
     sent, own : ndarray, shape (values of a packet,)
     sent_quality, own_quality : ndarray of uint8, shape (samples of a packet,)
     places : ndarray, shape (MOST_TICKS + 1,)
@@ -137,6 +154,7 @@ class Placed(NamedTuple):
 
     signals: Float
     quality: NDArray[np.uint8]
+    carried: Float
     sent: Float
     sent_quality: NDArray[np.uint8]
     own: Float
@@ -145,8 +163,22 @@ class Placed(NamedTuple):
     ones: Float
 
 
-def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) -> Network:
-    """Return rows for so many sessions; memory is used only where a session is."""
+def carried_by(mask: int) -> tuple[ChannelSpec, ...]:
+    """Return the channels beside motion that packets with this mask carry to estimators, in payload order."""
+    return tuple(spec for spec in CARRIED if mask & spec.bit)
+
+
+def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int, mask: int = 0) -> Network:
+    """Return rows for so many sessions; memory is used only where a session is.
+
+    Parameters
+    ----------
+    sessions, channels, sensors, recent_ticks : int
+    mask : int
+        Bits of the channels that are carried beside motion.
+    """
+    carried = carried_by(mask)
+    each = (sessions, sensors, sum(spec.width for spec in carried))
     return Network(
         np.zeros(sessions, dtype=SLOT),
         np.zeros((sessions, 2, sensors, 3)),
@@ -155,15 +187,20 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) 
         np.zeros((sessions, channels, sensors, 2, 3)),
         np.zeros((sessions, channels, sensors, recent_ticks, 3)),
         np.zeros((sessions, sensors, recent_ticks), dtype=np.uint8),
+        np.zeros(each),
+        np.zeros(each),
+        np.zeros((sessions, sensors), dtype=np.int64),
+        sum(spec.width for spec in carried if spec.cell),
     )
 
 
-def room_for(channels: int, sensors: int, most_ticks: int) -> Placed:
-    """Return room for a turn of so many common ticks."""
+def room_for(channels: int, sensors: int, most_ticks: int, mask: int = 0) -> Placed:
+    """Return room for a turn of so many common ticks; `mask` as of `network_rows`."""
     samples, packet = sensors * most_ticks, sensors * (MOST_TICKS + 1)
     return Placed(
         np.empty(3 * channels * samples),
         np.empty(samples, dtype=np.uint8),
+        np.empty(samples * sum(spec.width for spec in carried_by(mask))),
         np.empty(3 * channels * packet),
         np.empty(packet, dtype=np.uint8),
         np.empty(3 * channels * packet),
@@ -183,6 +220,7 @@ __all__ = [
     "Network",
     "Packets",
     "Placed",
+    "carried_by",
     "network_rows",
     "room_for",
 ]

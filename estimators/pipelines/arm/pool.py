@@ -59,6 +59,7 @@ class ArmPool:
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
         self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)
         self.columns = columns(rows, self.layout)
+        self.errors: dict[int, Exception] = {}
 
     @staticmethod
     def key(pipeline: Pipeline) -> Hashable | None:
@@ -139,9 +140,14 @@ class ArmPool:
         pipeline._previous_angle_rad = pipeline._previous_angle_rad.copy()
 
     def step(
-        self, stretches: NDArray[np.void], count: int, signals: Float, quality: NDArray[np.uint8]
+        self,
+        stretches: NDArray[np.void],
+        count: int,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        carried: Float,
     ) -> None:
-        """Take the next ticks of some sessions; see `Pool.step`."""
+        """Take the next ticks of some sessions; see `Pool.step`. What comes beside motion tells an arm nothing."""
         step_arms(stretches, count, signals, quality, self.rows, self._tables, self._work, self.columns)
 
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app.errors import TelemotionError
 from app.gateway import GatewayClient, ServiceClient
@@ -20,7 +21,6 @@ from app.network.messages import ActuateMessage, ActuationPlanMessage
 from app.recordings.schemas import SessionIn
 from estimators.magnetic import coil_state
 from estimators.pipelines import RelativePosePipeline, SessionSetup
-from estimators.recording import ImuChunk
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
 PAIR = ("pelvis", "sternum")
@@ -71,14 +71,14 @@ def test_orders_that_wait_are_thrown_away_and_a_new_connection_gets_no_coils() -
     asyncio.run(run())
 
 
-def chunk(first: int, state: list[float] | None, ticks: int = 5) -> ImuChunk:
-    still = np.zeros((2, ticks, 3))
-    states = None
-    if state is not None:
-        states = np.zeros((2, ticks))
-        states[0, : len(state)] = state
-        states[1] = np.nan
-    return ImuChunk(first, 0.01, still, still, None, np.zeros((2, ticks), dtype=np.uint8), coil_state=states)
+def ticks(first: int, state: list[float] | None) -> tuple[float, float, NDArray[np.float64] | None]:
+    """Return when five ticks began, their step, and the coil states that two sensors sent."""
+    if state is None:
+        return 0.01 * first, 0.01, None
+    states = np.zeros((2, 5))
+    states[0, : len(state)] = state
+    states[1] = np.nan
+    return 0.01 * first, 0.01, states
 
 
 class TestStraySource:
@@ -88,12 +88,12 @@ class TestStraySource:
 
     def test_a_session_without_a_source_says_once_that_one_fires(self) -> None:
         stray, told = self.watched()
-        stray.add(chunk(0, None), PAIR, None)
-        stray.add(chunk(5, [0.0] * 5), PAIR, None)
+        stray.add(*ticks(0, None), PAIR, None)
+        stray.add(*ticks(5, [0.0] * 5), PAIR, None)
         assert told == [], "zeros are what sensors without coils send"
         on = float(coil_state(2, 1.3))
         for first in (10, 15, 5000):
-            stray.add(chunk(first, [0.0, on, on]), PAIR, None)
+            stray.add(*ticks(first, [0.0, on, on]), PAIR, None)
         ((kind, at_s, placement, words),) = told
         assert (kind, at_s, placement) == ("source_unasked", pytest.approx(0.11), "pelvis")
         assert "nobody was asked about implants" in words
@@ -102,14 +102,14 @@ class TestStraySource:
         stray, told = self.watched()
         on = [float(coil_state(1, 1.3))] * 5
         for stopped in (1, 2):
-            stray.add(chunk(0, on), PAIR, True)
+            stray.add(*ticks(0, on), PAIR, True)
             assert len(told) == stopped - 1
             late = round(GRACE_S * 100)
-            stray.add(chunk(5, on), PAIR, False)
+            stray.add(*ticks(5, on), PAIR, False)
             assert len(told) == stopped - 1
-            stray.add(chunk(late, on), PAIR, False)
-            stray.add(chunk(late + 10, on), PAIR, False)
-            stray.add(chunk(late + 20, on), PAIR, False)
+            stray.add(*ticks(late, on), PAIR, False)
+            stray.add(*ticks(late + 10, on), PAIR, False)
+            stray.add(*ticks(late + 20, on), PAIR, False)
             assert len(told) == stopped
             assert "Switch it off by hand" in told[-1][3]
 
