@@ -43,6 +43,9 @@ restart_per_s : float
         (7): share of the size prior that is spread over all sizes.
     start_follows_s : float
         Time constant with which the start posture follows at rest.
+    still_s : float
+        After so long without movement, nearer to the start posture than `least_excursion`, it is rest whatever (5)
+        says, and the start posture is there: it was prompted before the patient was in it.
     wrong_share, least_excursion, least_attempt_s : float
         (9): mean P(WRONG) from which an attempt is wrong; share of the template's excursion and duration below which
         it is ignored.
@@ -70,6 +73,7 @@ restart_per_s : float
     restart_per_s: float = 0.1
     broad_share: float = 0.2
     start_follows_s: float = 5.0
+    still_s: float = 1.5
     wrong_share: float = 0.2
     least_excursion: float = 0.15
     least_attempt_s: float = 0.4

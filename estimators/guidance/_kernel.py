@@ -82,10 +82,34 @@ def _settle(settings: Record, state: Record, model: Model, memory: Memory, work:
 
 
 @step()
+def _away(model: Model, memory: Memory, work: Work) -> float:
+    """Return how far the body is from the start posture now, as a share of the template's excursion."""
+    total, weight = 0.0, 0.0
+    for f in range(len(model.steering)):
+        d = work.y[model.steering[f]] - memory.start[model.steering[f]]
+        if not math.isnan(d):
+            total += model.weight[f] * abs(d) / model.excursion[f]
+            weight += model.weight[f]
+    return total / weight if weight > 0.0 else math.inf
+
+
+@step()
 def _follow_start(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
-    """Let the start posture follow while at rest, with a time constant."""
+    """Let the start posture follow while at rest, with a time constant.
+
+    Who was prompted while still on the way to the start posture has a wrong one, in which no rest is ever found again.
+    So standing still, nearer to it than any attempt that counts goes, is rest too, and the start posture is there.
+    """
+    is_still = state.v < settings.rest_speed + state.rest_v
+    if state.p_rest > 0.5 or not is_still or _away(model, memory, work) >= settings.least_excursion:
+        state.still_s = 0.0
+    else:
+        state.still_s += settings.update_s
+    gain = settings.update_s / settings.start_follows_s
+    if state.still_s >= settings.still_s:
+        state.p_rest, state.p_wrong, state.still_s, gain = 1.0, 0.0, 0.0, 1.0
+        memory.mass[:] = 0.0
     if state.p_rest > 0.5:
-        gain = settings.update_s / settings.start_follows_s
         for c in range(len(memory.start)):
             if model.absolute[c] == 0 and not math.isnan(work.y[c]):
                 if math.isnan(memory.start[c]):

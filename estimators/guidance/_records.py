@@ -32,6 +32,7 @@ _TUNED: Final[Fields] = [
     ("restart_per_s", "f8"),
     ("broad_share", "f8"),
     ("start_follows_s", "f8"),
+    ("still_s", "f8"),
     ("wrong_share", "f8"),
     ("least_excursion", "f8"),
     ("least_attempt_s", "f8"),
@@ -59,6 +60,7 @@ STATE: Final = record(
         ("rest_v", "f8"),  # V_rest of (5)
         ("rest_v_count", "i8"),
         ("v", "f8"),  # V at the start posture now
+        ("still_s", "f8"),  # how long still near the start posture without being at rest
         ("p_rest", "f8"),
         ("p_wrong", "f8"),
         ("phase", "f8"),

@@ -158,6 +158,22 @@ def test_start_posture_is_taken_anew():
     assert np.allclose(moved[np.isfinite(moved)], 0.2)
 
 
+def test_who_was_prompted_too_early_is_counted_as_soon_as_the_next_rest_comes():
+    """The hand is put where it begins only after the prompted rest."""
+    made = make_planar(repetitions=3, lead_s=5.0)
+
+    def prompted_early(values, _):
+        values[:200] -= 0.12 * np.nan_to_num(values - values[0]).max(axis=0)
+        return values
+
+    seen = follow(made, prompted_early)
+    assert seen.kinds == ["valid"] * 3
+    counted = [one for one in seen.chunk.repetitions if one.kind == "valid"]
+    for one, truth in zip(counted, made.truth, strict=True):
+        assert -0.1 < one.end_tick / RATE_HZ - truth.end_s < 0.4
+        assert 0.0 < one.start_tick / RATE_HZ - truth.start_s < 0.6
+
+
 def test_probabilities_stay_normalised(mild):
     mass = mild.guide.state()["mass"]
     total = mass.sum() + float(
