@@ -10,6 +10,7 @@ from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.course.bands import beside_other_side
 from app.assessment.design.compiled import drawn_template, tolerance_scale_of
+from app.assessment.design.counted import counted_live
 from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
@@ -44,7 +45,7 @@ from estimators.errors import ComparisonError, EstimationError
 
 logger = logging.getLogger(__name__)
 
-VERSION = "2"
+VERSION = "3"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
 
 
@@ -163,9 +164,18 @@ def _compute(
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
     template = drawn_template(version, None if exercise is None else exercise.side, scale)
     source = load_source(session, found, result)
+    prescribed = repository.prescribed_version(session, found)
+    # What was counted by another template says nothing about this one.
+    is_counted = prescribed is not None and prescribed.template_id == version.template_id
     try:
         compared = compare(
-            source.moved, template, template.side, source.reach_m, source.start_s, source.end_s
+            source.moved,
+            template,
+            template.side,
+            source.reach_m,
+            source.start_s,
+            source.end_s,
+            counted=counted_live(session, found) if is_counted else None,
         )
     except EstimationError as error:
         raise InvalidInput(error.message) from error

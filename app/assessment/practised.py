@@ -29,9 +29,10 @@ class Practised(NamedTuple):
     Attributes
     ----------
     repetitions : int
-        Accepted; 0 for walks.
+        Accepted, and valid where they were counted live; 0 for walks.
     active_s : float
-        Time inside the accepted repetitions, in the strides that count, or in movement; 0 when nothing was valid.
+        Time inside the accepted repetitions, also those that did not go far enough, in the strides that count, or in
+        movement; 0 when nothing was practised.
     """
 
     repetitions: int
@@ -74,7 +75,8 @@ def practised(
             return Practised(0, _moving_s(session, found))
     except (EstimationError, InvalidInput, NotFound):
         return NOTHING
-    return Practised(len(accepted), sum(one.end_s - one.start_s for one in accepted))
+    valid = sum(one.counted in ("", "valid") for one in accepted)
+    return Practised(valid, sum(one.end_s - one.start_s for one in accepted))
 
 
 def walked_s(content: WalkContent) -> float:

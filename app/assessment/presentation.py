@@ -61,6 +61,7 @@ def repetition_out(repetition: Repetition) -> RepetitionOut:
         end_s=repetition.end_s,
         is_kept=repetition.is_kept,
         reason=repetition.reason,
+        counted=repetition.counted,
     )
 
 

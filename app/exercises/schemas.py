@@ -45,6 +45,8 @@ class RepetitionOut(Spoken):
     is_kept: bool
     reason: str
     """Why it was dropped; empty when accepted."""
+    counted: Literal["", "valid", "partial", "wrong"] = ""
+    """How it was counted while it was made; empty where nothing was counted."""
 
 
 class PhaseCurve(Schema):

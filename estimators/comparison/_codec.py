@@ -149,6 +149,7 @@ def comparison_to_bytes(result: ComparisonResult) -> bytes:
                 "number": r.repetition.number,
                 "is_kept": r.repetition.is_kept,
                 "reason": for_json(r.repetition.reason),
+                "counted": r.repetition.counted,
                 "measures": _measure_header(r.measures),
                 "outside": r.outside,
             }
@@ -183,6 +184,7 @@ def comparison_from_bytes(data: bytes) -> ComparisonResult:
                         float(bounds[1]),
                         stored["is_kept"],
                         CATALOGUE.restored(stored["reason"]),
+                        stored.get("counted", ""),
                     ),
                     measures=_measures(stored["measures"], values),
                     curves=curves,

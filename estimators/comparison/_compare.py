@@ -18,7 +18,7 @@ from estimators.comparison._contract import (
     Trajectory,
 )
 from estimators.comparison._findings import write_findings
-from estimators.comparison._judgement import judge_repetitions
+from estimators.comparison._judgement import judge_repetitions, leave_out_gaps
 from estimators.comparison._measures import (
     SMALLEST_PATH,
     position_sigma,
@@ -27,7 +27,7 @@ from estimators.comparison._measures import (
 )
 from estimators.comparison._template import align_timing, alignment_scale, near, phase_curves
 from estimators.comparison.measures.of_session import likeness_measures
-from estimators.comparison.repetitions import find_repetitions
+from estimators.comparison.repetitions import counted_repetitions, find_repetitions
 from estimators.errors import SetupError
 from estimators.recording import Float
 
@@ -45,6 +45,7 @@ def compare(
     start_s: float | None = None,
     end_s: float | None = None,
     repetitions: list[Repetition] | None = None,
+    counted: list[Repetition] | None = None,
 ) -> ComparisonResult:
     """Compare every repetition of a session with a template.
 
@@ -62,6 +63,9 @@ def compare(
         Half-open stretch of the session to look at.
     repetitions : list of Repetition, optional
         When a person has cut them by hand; found automatically otherwise.
+    counted : list of Repetition, optional
+        When they were counted by this template while they were made: these are all that there are, and none is left out
+        for being unlike the others.
 
     Returns
     -------
@@ -79,8 +83,12 @@ def compare(
     if template.side != side:
         template = mirror_template(template)
     found = repetitions if repetitions is not None else find_repetitions(source, side, start_s, end_s)
+    if counted is None:
+        judged = judge_repetitions(source, found, side)
+    else:
+        judged = leave_out_gaps(source, counted_repetitions(counted, found), side)
     comparison = Comparison(source, template, reach_m)
-    results = [comparison.of(repetition) for repetition in judge_repetitions(source, found, side)]
+    results = [comparison.of(repetition) for repetition in judged]
     retained = [one for one in results if one.repetition.is_kept]
     summary = (
         *summarise([list(one.measures) for one in retained]),

@@ -42,13 +42,17 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Repetition:
-    """One repetition, half-open in session time, retained or dropped with its reason."""
+    """One repetition, half-open in session time, retained or dropped with its reason.
+
+    `counted` says how it was counted while it was made: `valid`, `partial` or `wrong`; empty where nobody counted.
+    """
 
     number: int
     start_s: float
     end_s: float
     is_kept: bool = True
     reason: str = ""
+    counted: str = ""
 
 
 @dataclass(frozen=True)

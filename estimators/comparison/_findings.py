@@ -1,11 +1,12 @@
 """Plain sentences that a patient or a therapist understands, compensation first.
 
 A sentence is written only where the difference from the template exceeds what chance and sensors explain. What
-leaves the therapist's band in most repetitions is always reported; beside it at most three other differences.
+leaves the therapist's band in most repetitions is always reported; beside it at most three other differences. A fault
+of some repetitions is lost in the mean of all: it is reported with their numbers.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -21,6 +22,8 @@ _LEAST_RANGE_RAD = 0.087
 _LEAST_HIKE_M = 0.025
 _LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
+_OTHER_PACE = 1.45
+"""Times as long or as short as in the template: so much of a single repetition is no chance."""
 """Inside the therapist's band, differences below 5 degrees, 25 mm of a shoulder, 15 percent or 0.2 of arc length are
 not worth a word."""
 
@@ -62,6 +65,7 @@ def write_findings(
         return (say("findings.none_used"),)
     by_name = {measure.name: measure for measure in summary}
     outside = {one.channel: one for one in outside_band(retained, template)}
+    in_some = _in_some(retained, by_name, template)
     first = _compensation(retained, by_name, template, outside)
     found: list[tuple[float, str]] = []
     for write in (_range, _duration, _smoothness, _path):
@@ -69,14 +73,88 @@ def write_findings(
         if sentence is not None:
             found.append(sentence)
     left = _left_band(outside, template)
-    if not first and not found and not left:
+    if not first and not found and not left and not in_some:
         share = by_name.get("inside_band")
         if share is not None and share.value > 80:
             return (say("findings.matched"),)
         return (say("findings.no_difference"),)
     found.sort(key=lambda item: -item[0])
     most = max(0, _MOST - len(first))
-    return (*first, *(sentence for _, sentence in found[:most]), *left)
+    return (*first, *in_some, *(sentence for _, sentence in found[:most]), *left)
+
+
+def _in_some(
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> list[Sentence]:
+    """Say which repetitions had a fault that all of them together do not show for certain."""
+    primary = f"range:{template.primary_channel}"
+    names = [f"compensation:{name}" for name in template.channels if is_compensation(name)]
+    found = []
+    for name in (*names, primary, "duration"):
+        together = _difference(name, retained, summary, template)
+        if name.partition(":")[2] in template.watched or (together is not None and together.certainty >= 1):
+            continue
+        odd = [
+            (one.repetition.number, difference)
+            for one in retained
+            if (difference := _of_one(name, one, template)) is not None
+            and _is_fault(name, difference)
+            and difference.certainty >= 1
+        ]
+        if odd:
+            found.append(_odd_ones(name, odd))
+    return found
+
+
+def _of_one(name: str, one: RepetitionResult, template: Template) -> _Difference | None:
+    alone = [measure for measure in one.measures if measure.name == name]
+    return _difference(name, [one], {name: replace(alone[0], count=1)}, template) if alone else None
+
+
+def _is_fault(name: str, difference: _Difference) -> bool:
+    if name == "duration":
+        return bool(abs(np.log(difference.value / difference.reference)) >= np.log(_OTHER_PACE))
+    if name.startswith("range:"):
+        return -difference.excess >= max(_LEAST_RANGE_RAD, _LEAST_SHARE * difference.reference)
+    return difference.excess >= _least(name.partition(":")[2])
+
+
+def _odd_ones(name: str, odd: Sequence[tuple[int, _Difference]]) -> Sentence:
+    """Name the repetitions of a fault, with the largest of it."""
+    which, count = [str(number) for number, _ in odd], len(odd)
+    worst = max((one for _, one in odd), key=lambda one: abs(one.excess))
+    channel = name.partition(":")[2]
+    if name == "duration":
+        value_s, reference_s = worst.value, worst.reference
+        if worst.excess > 0:
+            return say(
+                "findings.some_slower",
+                repetitions=which,
+                count=count,
+                value_s=value_s,
+                reference_s=reference_s,
+            )
+        return say(
+            "findings.some_faster", repetitions=which, count=count, value_s=value_s, reference_s=reference_s
+        )
+    if name.startswith("range:"):
+        return say(
+            "findings.some_smaller",
+            repetitions=which,
+            count=count,
+            channel=channel_name(channel),
+            value_rad=worst.value,
+            reference_rad=worst.reference,
+        )
+    if channel_unit(channel) == "m":
+        return say("findings.some_shoulder_rose", repetitions=which, count=count, more_m=worst.excess)
+    return say(
+        "findings.some_trunk",
+        repetitions=which,
+        count=count,
+        channel=channel_name(channel),
+        more_rad=worst.excess,
+    )
 
 
 def _difference(

@@ -58,16 +58,26 @@ def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: s
         If nothing of that side was measured.
     """
     moved = _Moved(source.time_s, posture(source, side))
-    judged = list(repetitions)
-    for place, repetition in enumerate(judged):
-        if repetition.is_kept and (reason := _gap_reason(moved.cut(repetition))):
-            judged[place] = replace(repetition, is_kept=False, reason=reason)
+    judged = _without_gaps(moved, repetitions)
     for judge in (_judge_duration, _judge_size_and_direction, _judge_likeness):
         retained = [place for place, repetition in enumerate(judged) if repetition.is_kept]
         if len(retained) < 3:
             break
         for place, reason in judge(moved, [judged[k] for k in retained], retained):
             judged[place] = replace(judged[place], is_kept=False, reason=reason)
+    return judged
+
+
+def leave_out_gaps(source: Trajectory, repetitions: list[Repetition], side: str) -> list[Repetition]:
+    """Mark the repetitions in which the sensors lost track; parameters and errors as of `judge_repetitions`."""
+    return _without_gaps(_Moved(source.time_s, posture(source, side)), repetitions)
+
+
+def _without_gaps(moved: _Moved, repetitions: list[Repetition]) -> list[Repetition]:
+    judged = list(repetitions)
+    for place, repetition in enumerate(judged):
+        if repetition.is_kept and (reason := _gap_reason(moved.cut(repetition))):
+            judged[place] = replace(repetition, is_kept=False, reason=reason)
     return judged
 
 

@@ -11,6 +11,8 @@ from estimators.comparison._contract import PHASES, RepetitionResult, Template
 
 _CONFIDENCE = 0.975
 _LEAST_OF_PHASE = 0.25
+_LEAST_RAD, _LEAST_M = float(np.radians(1.0)), 0.005
+"""So little beyond the band is within the thickness of its line."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
         beyond = np.where(known, np.abs(mean) - width, -np.inf)
         phase = int(np.argmax(beyond))
         limit = _limit(retained, channel, difference[:, phase])
-        if beyond[phase] <= 0.0 or abs(mean[phase]) <= limit:
+        least = _LEAST_M if "." in channel or channel.endswith("_m") else _LEAST_RAD
+        if beyond[phase] <= least or abs(mean[phase]) <= limit:
             continue
         often = np.zeros(len(beyond))
         for one in retained:

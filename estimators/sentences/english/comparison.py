@@ -9,6 +9,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "repetition.longer": "Much longer than the others: {duration_s:s.1} instead of about {usual_s:s.1}.",
     "repetition.opposite": "Moved in the opposite direction to the others.",
     "repetition.half_way": "Stopped half way: {share:percent} of the usual movement.",
+    "repetition.other_movement": "Another movement than the one that was to be done.",
     "repetition.unlike": "Unlike the others: the arm moved along another path.",
     "findings.none_found": "No clear repetitions were found in this session.",
     "findings.none_used": "Repetitions were found, but all were excluded; the reason stands beside each.",
@@ -23,6 +24,32 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "findings.trunk_leaned_sideways": "Compensation: the trunk leaned {more_rad:deg} more than in the template, to the"
     " side.",
     "findings.trunk_turned": "Compensation: the trunk turned {more_rad:deg} more than in the template.",
+    "findings.some_trunk": {
+        "one": "Compensation in repetition {repetitions:and}: {channel:channel} {more_rad:deg} more than in the"
+        " template.",
+        "other": "Compensation in repetitions {repetitions:and}: {channel:channel} up to {more_rad:deg} more than in"
+        " the template.",
+    },
+    "findings.some_shoulder_rose": {
+        "one": "Compensation in repetition {repetitions:and}: the shoulder rose {more_m:cm} more than in the template.",
+        "other": "Compensation in repetitions {repetitions:and}: the shoulder rose up to {more_m:cm} more than in the"
+        " template.",
+    },
+    "findings.some_smaller": {
+        "one": "Repetition {repetitions:and} was smaller than in the template: {channel:channel} {value_rad:deg}"
+        " against {reference_rad:deg}.",
+        "other": "Repetitions {repetitions:and} were smaller than in the template: {channel:channel} down to"
+        " {value_rad:deg} against {reference_rad:deg}.",
+    },
+    "findings.some_slower": {
+        "one": "Repetition {repetitions:and} took {value_s:s.1} against {reference_s:s.1} in the template.",
+        "other": "Repetitions {repetitions:and} took up to {value_s:s.1} against {reference_s:s.1} in the template.",
+    },
+    "findings.some_faster": {
+        "one": "Repetition {repetitions:and} took only {value_s:s.1} against {reference_s:s.1} in the template.",
+        "other": "Repetitions {repetitions:and} were faster than in the template: down to {value_s:s.1} against"
+        " {reference_s:s.1}.",
+    },
     "findings.how_often": {
         "one": "This was outside the band.",
         "other": "This was outside the band in {outside:number} of {count:number} repetitions.",

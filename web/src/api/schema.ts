@@ -4677,6 +4677,12 @@ export interface components {
          * @description One repetition found in a recording, in session time.
          */
         RepetitionOut: {
+            /**
+             * Counted
+             * @default
+             * @enum {string}
+             */
+            counted?: "" | "valid" | "partial" | "wrong";
             /** End S */
             end_s: number;
             /** Is Kept */

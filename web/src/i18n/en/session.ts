@@ -229,6 +229,7 @@ export const session = {
   'repetition.numbered': 'Repetition {number}',
   'repetition.show': 'Show repetition {number}',
   'repetition.leftOut': 'excluded',
+  'repetition.partial': 'not far enough',
   'repetition.table': 'By repetition',
   'repetition.mean': { one: '{count} repetition', other: 'Mean of {count}' },
   'repetition.tableHelp':

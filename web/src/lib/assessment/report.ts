@@ -1,4 +1,5 @@
-import type { MeasureValue, ProgressMeasure } from '../../api/types';
+import type { ComparisonDetail, MeasureValue, ProgressMeasure } from '../../api/types';
+import { t } from '../../i18n';
 
 export interface ReportRow {
   value: MeasureValue;
@@ -36,4 +37,23 @@ export function reportRows(
     .flat()
     .filter((one) => chosen.has(one))
     .map((value) => ({ value, progress: progress.find((one) => one.measure === value.measure) ?? null }));
+}
+
+/** How the repetitions were counted while they were made, as the patient saw it; empty where nothing was counted. */
+export function countedText(repetitions: ComparisonDetail['repetitions']): string {
+  const all = repetitions.map((one) => one.repetition).filter((one) => one.counted);
+  const numbers = (kind: string) =>
+    all
+      .filter((one) => one.counted === kind)
+      .map((one) => one.number)
+      .join(', ');
+  if (all.length === 0) return '';
+  const valid = all.filter((one) => one.counted === 'valid').length;
+  return [
+    t('report.counted', { valid, count: all.length }),
+    numbers('partial') && t('report.countedPartial', { numbers: numbers('partial') }),
+    numbers('wrong') && t('report.countedWrong', { numbers: numbers('wrong') }),
+  ]
+    .filter(Boolean)
+    .join('; ');
 }

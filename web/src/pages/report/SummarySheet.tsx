@@ -6,7 +6,7 @@ import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
 import { BASELINE } from '../../lib/assessment/baseline';
-import { reportRows } from '../../lib/assessment/report';
+import { countedText, reportRows } from '../../lib/assessment/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
@@ -88,7 +88,11 @@ export function SummarySheet(props: ReportProps) {
         {comparison && (
           <div>
             <dt>{t('progress.count')}</dt>
-            <dd>{t('report.repetitions', { count: comparison.repetition_count })}</dd>
+            <dd>
+              {[countedText(comparison.repetitions), t('report.repetitions', { count: comparison.repetition_count })]
+                .filter(Boolean)
+                .join(' · ')}
+            </dd>
           </div>
         )}
       </dl>

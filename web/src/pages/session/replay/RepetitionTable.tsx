@@ -65,6 +65,9 @@ export function RepetitionTable({
                   {!one.repetition.is_kept && (
                     <span className="muted small"> {one.repetition.reason || t('repetition.leftOut')}</span>
                   )}
+                  {one.repetition.counted === 'partial' && (
+                    <span className="muted small"> {t('repetition.partial')}</span>
+                  )}
                 </th>
                 {columns.map((column) => {
                   const value = one.measures.find((measure) => measure.measure === column.measure);
