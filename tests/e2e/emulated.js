@@ -1,5 +1,5 @@
 // Sensors that are not there, for tests: a phone's motion events, and Bluetooth sensors that speak their real bytes.
-// `emulate({rateHz, samples})` begins: samples by tick, then sensor, six values each (rad/s, m/s^2).
+// `emulatePhone` and `emulateDots` begin: samples by tick, then sensor, six values each (rad/s, m/s^2).
 (() => {
   const STEP_MS = 10;
   /** Times of the ticks on the clock of the page, so that they lie on even ticks counted from 1970. */
@@ -9,16 +9,26 @@
     return { first, at: (number) => (first + number) * stepMs - performance.timeOrigin };
   };
   const degrees = (value) => (value * 180) / Math.PI;
-  const play = (count, at, emit) => {
+  /** Emit the samples in their order; each rest, [from, until), over and over until `emulated.goOn()`. */
+  const play = (count, at, emit, rests = []) => {
+    const waiting = [...rests];
     let next = 0;
+    let sample = 0;
+    window.emulated.goOn = () => waiting.shift();
     const timer = setInterval(() => {
-      for (; next < count && at(next) <= performance.now(); next += 1) emit(next);
+      for (; sample < count && at(next) <= performance.now(); next += 1, sample += 1) {
+        if (waiting.length > 0 && sample === waiting[0][1]) sample = waiting[0][0];
+        // Where a sample came out: what is true of it is known by its place in the recording.
+        window.emulated.shift = next - sample;
+        emit(next, sample);
+      }
       window.emulated.emitted = next;
-      if (next >= count) clearInterval(timer);
+      window.emulated.sample = sample;
+      if (sample >= count) clearInterval(timer);
     }, STEP_MS);
   };
 
-  window.emulated = { emitted: 0, first: 0 };
+  window.emulated = { emitted: 0, first: 0, sample: 0, shift: 0 };
 
   window.emulatePhone = ({ rateHz, samples, sign = 1 }) => {
     const { first, at } = begin(rateHz);
@@ -117,7 +127,7 @@
   }
 
   /** As many sensors as the samples have; the chooser offers the next each time. */
-  window.emulateDots = ({ rateHz, samples }) => {
+  window.emulateDots = ({ rateHz, samples, rests }) => {
     // The clock of the first wraps during the test, as it does once in 71 minutes.
     const dots = samples[0].map((_, sensor) => new Dot(`Movella DOT ${sensor + 1}`, 2 ** 32 - 20e6 + sensor * 7e6));
     let offered = 0;
@@ -134,8 +144,11 @@
     });
     const { first, at } = begin(rateHz);
     Object.assign(window.emulated, { first, dots });
-    play(samples.length, at, (number) =>
-      dots.forEach((dot, sensor) => dot.tell(number, 1e6 / rateHz, samples[number][sensor])),
+    play(
+      samples.length,
+      at,
+      (number, sample) => dots.forEach((dot, sensor) => dot.tell(number, 1e6 / rateHz, samples[sample][sensor])),
+      rests,
     );
   };
 })();

@@ -1,71 +1,19 @@
 """What the product is for, as a person does it: connect, calibrate, record, compare, replay, make a template."""
 
-import asyncio
 import re
-import threading
 import time
 import zipfile
-from dataclasses import replace
 
 import pytest
 from playwright.sync_api import expect
 
 from app.demo.people import PASSWORD, THERAPIST
-from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
-from estimators.simulation import demonstration_scenario, simulate_arm
+from app.gateway import ServiceClient
+from tests.e2e.clinic_gateway import PACE, Gateway
 from tests.e2e.conftest import House, Visitor, apart
 from tests.e2e.test_pages import serious, settle
 
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
-PACE = 2.0
-"""Times real time."""
-POSE_S = 50.0
-"""Long enough for a person on a busy machine to calibrate and press record while the sensors go on sending."""
-
-
-class Gateway(threading.Thread):
-    """A patient with sensors on: streams a session that the therapist steers in the browser."""
-
-    def __init__(self, address: str, session_id: str, placements: list[str], pose_s: float = POSE_S) -> None:
-        super().__init__(daemon=True)
-        self.address, self.session_id = address, session_id
-        scenario = demonstration_scenario("moderate_stroke", "reaching", progress=0.9, repetitions=3, seed=5)
-        # Resting long after the last repetition, so that the link is still up when recording is stopped.
-        schedule = replace(scenario.schedule, n_pose_s=pose_s, settle_s=20.0)
-        self.session = simulate_arm(replace(scenario, placements=tuple(placements), schedule=schedule))  # type: ignore[arg-type]
-        self.pose_s = pose_s
-        self.done_s = float(self.session.truth.repetitions_s[-1, 1])
-        self.began = time.monotonic()
-        self.error: BaseException | None = None
-
-    def run(self) -> None:
-        try:
-            asyncio.run(self._stream())
-        except BaseException as error:
-            self.error = error
-
-    async def _stream(self) -> None:
-        async with ServiceClient(self.address) as service:
-            await service.sign_in(THERAPIST, PASSWORD)
-
-            async def moving() -> None:
-                # The patient stands in the pose until the therapist has calibrated and pressed record.
-                await service.wait_for_state(self.session_id, "recording", timeout_s=90.0)
-
-            async def stopped() -> None:
-                await service.wait_for_state(self.session_id, "ready", "closing", "analysed", timeout_s=60.0)
-
-            device = stream_of(self.session.recording)
-            end_s = device.packet_count * device.packet_s
-            client = GatewayClient(
-                service.ingest_url, lambda: service.ticket(self.session_id), device.hello, pace=PACE
-            )
-            await client.run(
-                device.deliveries(device.plan()),
-                milestones=[Milestone(self.pose_s, moving), Milestone(end_s + 1.0, stopped)],
-                goodbye=False,
-            )
 
 
 def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: House) -> None:
