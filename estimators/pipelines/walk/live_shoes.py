@@ -21,8 +21,8 @@ _WANDER_M_PER_ROOT_S: Final = 0.01
 """The ways of the two feet drift apart; what is lost in a stride is 1 to 2 cm."""
 
 
-_HEELS, _FOREFEET = [0, 2], [1, 3]
-_CELLS = [[0, 1], [2, 3]]
+_HEELS, _FOREFEET = slice(0, 4, 2), slice(1, 4, 2)
+assert (shoe.HEEL_FORCE, shoe.HEEL_MOMENT, shoe.FOREFOOT_FORCE, shoe.FOREFOOT_MOMENT) == (0, 3, 6, 9)
 
 
 class LiveShoes:
@@ -92,15 +92,11 @@ class LiveShoes:
             Sensor axes; None where no sensor sent any: missing.
         ticks : int
         """
-        new = np.full((2, ticks, shoe.LOADS), np.nan)
-        if force_n is not None and moment_nm is not None:
-            for first, load, cells in (
-                (shoe.HEEL_FORCE, force_n, _HEELS),
-                (shoe.HEEL_MOMENT, moment_nm, _HEELS),
-                (shoe.FOREFOOT_FORCE, force_n, _FOREFEET),
-                (shoe.FOREFOOT_MOMENT, moment_nm, _FOREFEET),
-            ):
-                new[:, :, first : first + 3] = load[cells]
+        if force_n is None or moment_nm is None:
+            new = np.full((2, ticks, shoe.LOADS), np.nan)
+        else:
+            cells = (force_n[_HEELS], moment_nm[_HEELS], force_n[_FOREFEET], moment_nm[_FOREFEET])
+            new = np.concatenate(cells, axis=2)
         self._loads = np.concatenate([self._loads, new], axis=1)
 
     @property

@@ -1,6 +1,7 @@
 """The gait pipeline: sensors on the feet to the movement of both feet, their events and strides."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -78,6 +79,10 @@ class GaitPipeline(Pipeline):
         )
         self._shoes = None if cells is None else _live_shoes(setup, self._tracker)
         self._layout = layout_of(tuple(self._feet), with_forces=cells is not None)
+        feet, points = len(self._feet), len(self._layout.points)
+        ends = np.cumsum([0, 4 * feet, 3 * points, len(self._layout.scalars), feet, 3 * feet, 3 * points])
+        self._columns = [slice(*pair) for pair in pairwise(ends.tolist())]
+        """Of a waiting row: orientations, points, scalars, flags, sigmas of both."""
         self._waiting = np.tile(self._nothing(), (self._tracker.delay_ticks, 1))
         """Released and not yet shown; before the first released tick there is nothing to show."""
 
@@ -98,36 +103,45 @@ class GaitPipeline(Pipeline):
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
-        rows, ticks = self._rows, chunk.tick_count
+        rows, ticks = self._worn_rows(chunk), chunk.tick_count
         if self._setup.devices:
             chunk = calibration.correct(
                 chunk, [self._setup.devices.get(name) for name in self._setup.placements]
             )
-        values, flags = self._tracker.released(self._worn(chunk))
+        field, force, moment = chunk.magnetometer_t, chunk.force_n, chunk.moment_nm
+        worn = ImuChunk(
+            chunk.first_tick,
+            chunk.time_step_s,
+            chunk.gyroscope_radps[rows],
+            chunk.accelerometer_mps2[rows],
+            None if field is None else field[rows],
+            chunk.quality[rows],
+        )
+        values, flags = self._tracker.released(worn)
         if self._shoes is not None:
-            force, moment = chunk.force_n, chunk.moment_nm
-            is_felt = force is not None and moment is not None
-            self._shoes.take(
-                force[rows] if is_felt and force is not None else None,
-                moment[rows] if is_felt and moment is not None else None,
-                ticks,
-            )
+            if force is None or moment is None:
+                self._shoes.take(None, None, ticks)
+            else:
+                self._shoes.take(force[rows], moment[rows], ticks)
         if flags.shape[1]:
             self._waiting = np.concatenate([self._waiting, self._released(values, flags)])
         shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
-        feet, points = len(self._feet), len(self._layout.points)
-        ends = np.cumsum([4 * feet, 3 * points, len(self._layout.scalars), feet, 3 * feet])
+        q, points, scalars, flag, sigmas, point_sigmas = self._columns
         return frames_of(
             self._layout,
             chunk.first_tick,
             chunk.time_step_s,
-            np.ascontiguousarray(shown[:, : ends[0]]).reshape(ticks, feet, 4),
-            np.ascontiguousarray(shown[:, ends[0] : ends[1]]).reshape(ticks, points, 3),
-            np.ascontiguousarray(shown[:, ends[1] : ends[2]]),
-            shown[:, ends[2] : ends[3]].astype(np.uint8),
-            np.ascontiguousarray(shown[:, ends[3] : ends[4]]).reshape(ticks, feet, 3),
-            np.ascontiguousarray(shown[:, ends[4] :]).reshape(ticks, points, 3),
+            shown[:, q].reshape(ticks, -1, 4),
+            shown[:, points].reshape(ticks, -1, 3),
+            shown[:, scalars].copy(),
+            shown[:, flag].astype(np.uint8),
+            shown[:, sigmas].reshape(ticks, -1, 3),
+            shown[:, point_sigmas].reshape(ticks, -1, 3),
         )
+
+    def _worn_rows(self, chunk: ImuChunk) -> list[int] | slice:
+        """Return which sensors are followed; all of them nearly always, and a list of them would copy."""
+        return slice(None) if self._rows == list(range(chunk.sensor_count)) else self._rows
 
     def _nothing(self) -> Float:
         """Return the row of a tick of which nothing is known."""
@@ -143,21 +157,6 @@ class GaitPipeline(Pipeline):
                 np.full(feet, float(OrientationFlag.INVALID)),
                 np.full(3 * (feet + len(points)), np.nan),
             ]
-        )
-
-    def _worn(self, chunk: ImuChunk) -> ImuChunk:
-        """Return the inertial readings of the sensors that are followed."""
-        rows, field = self._rows, chunk.magnetometer_t
-        if rows == list(range(chunk.sensor_count)):
-            # Nearly always: indexing with a list copies.
-            rows = slice(None)  # type: ignore[assignment]
-        return ImuChunk(
-            chunk.first_tick,
-            chunk.time_step_s,
-            chunk.gyroscope_radps[rows],
-            chunk.accelerometer_mps2[rows],
-            None if field is None else field[rows],
-            chunk.quality[rows],
         )
 
     def _released(self, values: Float, flags: NDArray[np.uint8]) -> Float:
