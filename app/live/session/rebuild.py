@@ -13,7 +13,6 @@ from app.errors import PacketError
 from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import Admitted
-from app.network.declaration import FoundClips
 from app.network.packet import Packet
 from app.recordings.analysis.offline import decoded
 from app.recordings.signals.store import read_packets_in_order
@@ -21,6 +20,7 @@ from estimators.channels import Channel
 from estimators.recording import ImuChunk
 
 TAIL_S = 60.0
+PIECE_TICKS = 250
 
 
 def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
@@ -39,7 +39,7 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
     """
     tail: deque[tuple[Packet, Admitted]] = deque()
     is_whole = not session.pipeline.begins_anywhere
-    clips = deque(session.declaration.found_clips)
+    again = _Again(session)
     try:
         for raw in read_packets_in_order(engine, session.id):
             packet = decoded(raw)
@@ -50,7 +50,7 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
             is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
             if is_whole:
                 while tail:
-                    _feed(session, clips, *tail.popleft())
+                    again.feed(*tail.popleft())
             elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
                 tail.popleft()
         if tail:
@@ -58,9 +58,8 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
             first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
             session.aligner = Aligner(session.declaration, first_tick=first_tick)
         while tail:
-            _feed(session, clips, *tail.popleft())
-        # Found after the last packet that was stored.
-        _put_in_force(session, clips, None)
+            again.feed(*tail.popleft())
+        again.finish()
     except StoppedError as failure:
         return failure.error
     session.aligner.gaps.clear()
@@ -82,29 +81,52 @@ def _admitted(session: LiveSession, packet: Packet) -> Admitted | None:
         return None
 
 
-def _put_in_force(session: LiveSession, clips: deque[FoundClips], sequence: int | None) -> None:
-    """Put the clip levels in force that were when this packet was unpacked; all with None."""
-    if clips and (sequence is None or clips[0].first_sequence <= sequence):
-        # What came before them was unpacked without them.
-        _step(session, session.aligner.drain())
-    while clips and (sequence is None or clips[0].first_sequence <= sequence):
-        clips.popleft().write(session.aligner.clip_levels)
+class _Again:
+    """Gives a session's packets to its pipeline once more, some hundred ticks at a time: any pieces give the same."""
 
+    def __init__(self, session: LiveSession) -> None:
+        self._session = session
+        self._clips = deque(session.declaration.found_clips)
+        self._pieces: list[ImuChunk] = []
+        self._ticks = 0
 
-def _feed(session: LiveSession, clips: deque[FoundClips], packet: Packet, place: Admitted) -> None:
-    _put_in_force(session, clips, place.sequence)
-    try:
-        chunk = session.aligner.push(packet, place.sequence, place.time_us)
-    except PacketError:
-        return
-    _step(session, chunk)
+    def feed(self, packet: Packet, place: Admitted) -> None:
+        """Take the next packet."""
+        self._put_in_force(place.sequence)
+        try:
+            self._take(self._session.aligner.push(packet, place.sequence, place.time_us))
+        except PacketError:
+            return
 
+    def finish(self) -> None:
+        """Estimate what is left."""
+        # Found after the last packet that was stored.
+        self._put_in_force(None)
+        self._step()
 
-def _step(session: LiveSession, chunk: ImuChunk | None) -> None:
-    if chunk is None:
-        return
-    try:
-        frames = session.pipeline.step(chunk)
-    except Exception as error:
-        raise StoppedError(error) from error
-    session.store_frames(frames)
+    def _put_in_force(self, sequence: int | None) -> None:
+        """Put the clip levels in force that were when this packet was unpacked; all with None."""
+        clips = self._clips
+        if clips and (sequence is None or clips[0].first_sequence <= sequence):
+            # What came before them was unpacked without them.
+            self._take(self._session.aligner.drain())
+        while clips and (sequence is None or clips[0].first_sequence <= sequence):
+            clips.popleft().write(self._session.aligner.clip_levels)
+
+    def _take(self, chunk: ImuChunk | None) -> None:
+        if chunk is None:
+            return
+        self._pieces.append(chunk)
+        self._ticks += chunk.tick_count
+        if self._ticks >= PIECE_TICKS:
+            self._step()
+
+    def _step(self) -> None:
+        if not self._pieces:
+            return
+        chunk, self._pieces, self._ticks = ImuChunk.join(self._pieces), [], 0
+        try:
+            frames = self._session.pipeline.step(chunk)
+        except Exception as error:
+            raise StoppedError(error) from error
+        self._session.store_frames(frames)
