@@ -99,6 +99,11 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     registry.gauge(
         "live_longest_turn_seconds", "Longest turn since the start.", lambda: pooled.longest_turn_s
     )
+    registry.counter(
+        "live_unshown_total",
+        "Blocks that views went without because turns were late.",
+        lambda: pooled.unshown,
+    )
     registry.gauge("views", "3D scenes that stand.", lambda: services.get(Viewer).stage_count)
     registry.counter(
         "sign_ins_refused_total", "Sign-ins refused.", lambda: services.get(RefusedSignIns).refused

@@ -23,6 +23,9 @@ logger = logging.getLogger(__name__)
 
 LONGEST_WAIT_S: Final = 0.006
 SHORTEST_WAIT_S: Final = 0.004
+LATE_S: Final = 0.1
+"""After a turn that worked longer views go without: of the packets of a session in a turn only the newest is shown,
+until a turn works half as long. What is estimated and stored stays whole."""
 WAIT_PER_WORK: Final = 1.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
 
@@ -41,6 +44,9 @@ class PooledEngine:
         """Packets that took the general way."""
         self.turns = 0
         self.longest_turn_s = 0.0
+        self.unshown = 0
+        """Blocks that somebody would have watched, left out because turns were late."""
+        self.is_late = False
 
     def slot_for(
         self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
@@ -101,6 +107,7 @@ class PooledEngine:
         worked_s = time.perf_counter() - began_s
         self.turns += 1
         self.longest_turn_s = max(self.longest_turn_s, worked_s)
+        self.is_late = worked_s > (0.5 * LATE_S if self.is_late else LATE_S)
         self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
 
     def _give(self, received: list[Received]) -> None:
@@ -160,6 +167,10 @@ class PooledEngine:
             for number, ((_, lane), row) in enumerate(zip(items, rows, strict=True))
             if lane.blocks.listeners and row[TICKS] and row[STATUS] == ORDINARY
         ]
+        if self.is_late:
+            newest = {items[number][1]: number for number in watched}
+            self.unshown += len(watched) - len(newest)
+            watched = sorted(newest.values())
         if watched:
             blocks = pool.blocks(watched, time.time())
             for number, block in zip(watched, blocks, strict=True):
