@@ -10,11 +10,14 @@ Topics: `session/{id}/frames` (`estimators.pipelines.Frames`), `/blocks` (the sa
 
 import asyncio
 import contextlib
+import logging
 from collections import deque
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 from weakref import WeakValueDictionary
+
+logger = logging.getLogger(__name__)
 
 DEFAULT_QUEUE = 64
 
@@ -123,7 +126,13 @@ class Channel:
         metrics.published += 1
         for listener in self.listeners:
             metrics.delivered += 1
-            if not listener.put(self.name, message):
+            try:
+                is_taken = listener.put(self.name, message)
+            except Exception:
+                # Who listens must harm neither the session nor those who listen besides.
+                logger.exception("a message of topic %s could not be taken", self.name)
+                is_taken = False
+            if not is_taken:
                 metrics.dropped += 1
 
 

@@ -129,7 +129,8 @@ class LinkHealth:
 
     def set_flags(self, segments: Sequence[str], flags: NDArray[np.uint8]) -> None:
         """Take the orientation flags of the newest ticks, shape (K, G), by segment; read when somebody asks."""
-        self._segments, self._segment_flags = segments, flags
+        if len(flags):
+            self._segments, self._segment_flags = segments, flags
 
     def take_latencies(self) -> list[float]:
         """Return what was measured since the last call; what is asked for a median keeps the last ones."""
