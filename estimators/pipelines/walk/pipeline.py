@@ -127,16 +127,17 @@ class GaitPipeline(Pipeline):
             self._waiting = np.concatenate([self._waiting, self._released(values, flags)])
         shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
         q, points, scalars, flag, sigmas, point_sigmas = self._columns
+        feet, places = len(self._feet), len(self._layout.points)
         return frames_of(
             self._layout,
             chunk.first_tick,
             chunk.time_step_s,
-            shown[:, q].reshape(ticks, -1, 4),
-            shown[:, points].reshape(ticks, -1, 3),
+            shown[:, q].reshape(ticks, feet, 4),
+            shown[:, points].reshape(ticks, places, 3),
             shown[:, scalars].copy(),
             shown[:, flag].astype(np.uint8),
-            shown[:, sigmas].reshape(ticks, -1, 3),
-            shown[:, point_sigmas].reshape(ticks, -1, 3),
+            shown[:, sigmas].reshape(ticks, feet, 3),
+            shown[:, point_sigmas].reshape(ticks, places, 3),
         )
 
     def _worn_rows(self, chunk: ImuChunk) -> list[int] | slice:

@@ -66,7 +66,7 @@ def pooled(pool: ArmPool, parts: list[tuple[int, ArmPipeline, ImuChunk]]) -> lis
         fields = (chunk.gyroscope_radps, chunk.accelerometer_mps2, chunk.magnetometer_t)
         values.append(np.stack(fields).ravel())
         quality.append(np.ascontiguousarray(chunk.quality).ravel())
-    pool.step(stretches, len(parts), np.concatenate(values), np.concatenate(quality))
+    pool.step(stretches, len(parts), np.concatenate(values), np.concatenate(quality), np.empty(0))
     found = []
     for one, (_, pipeline, chunk) in zip(stretches, parts, strict=True):
         pool.stepped(pipeline, chunk.first_tick + chunk.tick_count)
