@@ -5,7 +5,7 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from app.accounts import administration, clinics, service
 from app.accounts.credentials import browsers, second_factor
-from app.accounts.credentials.sign_in import COOKIE, end_sign_in, me
+from app.accounts.credentials.sign_in import COOKIE, choose_locale, end_sign_in, me
 from app.accounts.dependencies import (
     CurrentAccount,
     CurrentSignIn,
@@ -19,6 +19,7 @@ from app.accounts.schemas import (
     ClinicOut,
     ClinicPatch,
     Me,
+    MePatch,
     PasswordIn,
     RecoveryCodes,
     SecondFactorConfirm,
@@ -73,6 +74,12 @@ def sign_out(current: CurrentSignIn, request: Request, response: Response, sessi
 def who_am_i(current: CurrentSignIn, request: Request, session: ReadSession) -> Me:
     """Return the signed-in account with its CSRF token."""
     return me(session, services_of(request).settings, current.subject.id, current.csrf_token)
+
+
+@router.patch("/me", status_code=204)
+def change_me(body: MePatch, current: CurrentSignIn, session: WriteSession) -> None:
+    """Choose the language of the own account."""
+    choose_locale(session, current.subject.id, body.locale)
 
 
 @router.post("/me/password", status_code=204)

@@ -45,7 +45,8 @@ class Account(Identified, Base):
     patient_id: Mapped[str | None] = mapped_column(ForeignKey("patient.id", use_alter=True))
     """The patient record of an account with the role patient."""
     is_active: Mapped[bool] = mapped_column(Boolean, default=True)
-    locale: Mapped[str] = mapped_column(String(10), default="en")
+    locale: Mapped[str] = mapped_column(String(10), default="")
+    """Language chosen for the account; empty: as the browser asks."""
     must_change_password: Mapped[bool] = mapped_column(Boolean, default=False, server_default=false())
     """An administrator knows the present one: nothing else can be done before it is changed."""
     totp_secret: Mapped[str | None] = mapped_column(String(64))

@@ -19,6 +19,10 @@ class SignInRequest(Schema):
     """Of the authenticator app, or a recovery code; only for accounts with a second factor."""
 
 
+Locale = Literal["", "en", "de"]
+"""Languages of the client; empty while none is chosen and the browser's own holds."""
+
+
 class Me(Schema):
     """Who is signed in; the CSRF token goes back in `X-CSRF-Token` with every change."""
 
@@ -30,6 +34,7 @@ class Me(Schema):
     clinic_name: str
     patient_id: str | None
     locale: str
+    """Language chosen for the account; empty while the browser's own holds."""
     csrf_token: str
     must: Literal["password", "second_factor"] | None = None
     """What has to be done before anything else is answered: change the password, or set up the second factor."""
@@ -37,6 +42,12 @@ class Me(Schema):
     """When an administrator turned two-step sign-in off; until the person has read it or set it up again."""
     idle_minutes: int
     """The browser session ends after so long without use."""
+
+
+class MePatch(Schema):
+    """What people may change of their own account."""
+
+    locale: Locale
 
 
 class SecondFactorOut(Schema):

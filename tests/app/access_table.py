@@ -115,6 +115,7 @@ LINES: tuple[Line, ...] = (
     Line("POST", "/api/sign-in", "public", body={"email": "a@b.example", "password": "x"}),
     Line("POST", "/api/sign-out", "signed_in", status=204, note="(cookies only)"),
     Line("GET", "/api/me", "signed_in", note="(cookies only)"),
+    Line("PATCH", "/api/me", "signed_in", body={"locale": ""}, status=204, note="(cookies only)"),
     Line("GET", "/api/clinic", "list"),
     Line("PATCH", "/api/clinic", "role", frozenset({"administrator"}), body={"time_zone": "Europe/Oslo"}),
     Line("GET", "/api/accounts", "list"),

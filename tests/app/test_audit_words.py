@@ -10,7 +10,7 @@ CODE = re.compile(r"[a-z_]+(\.[a-z_]+)+")
 
 
 def named() -> set[str]:
-    words = "".join(path.read_text("utf-8") for path in (ROOT / "web/src/i18n/en").glob("*.ts"))
+    words = "".join(path.read_text("utf-8") for path in (ROOT / "web/src/i18n/en").rglob("*.ts"))
     return set(re.findall(r"'audit\.([a-z_.]+)':", words))
 
 

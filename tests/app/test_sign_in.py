@@ -10,6 +10,8 @@ from app.accounts.models import Account, AuditEvent, SignIn
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 
+from .conftest import BASE_URL
+
 PASSWORD = "a long enough password"
 
 
@@ -107,3 +109,15 @@ def test_a_password_never_comes_back_in_an_error(nobody):
     assert response.json()["code"] == "invalid_input"
     assert response.json()["details"]["fields"][0]["field"] == "body.password"
     assert "xxx" not in response.text
+
+
+def test_everybody_chooses_the_language_of_their_own_account(nobody, email, engine):
+    answer = nobody.post("/api/sign-in", json={"email": email, "password": PASSWORD}).json()
+    headers = {"Origin": BASE_URL, "X-CSRF-Token": answer["csrf_token"]}
+    for locale in ("de", ""):
+        assert nobody.patch("/api/me", json={"locale": locale}, headers=headers).status_code == 204
+        assert nobody.get("/api/me").json()["locale"] == locale
+    assert nobody.patch("/api/me", json={"locale": "xx"}, headers=headers).status_code == 422
+    with read_only(engine) as session:
+        others = session.scalars(select(Account.locale).where(Account.email != email)).all()
+    assert "de" not in others

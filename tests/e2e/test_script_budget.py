@@ -45,16 +45,21 @@ def packed_bytes(name: str) -> int:
     return len(gzip.compress((BUILT / name).read_bytes(), 9))
 
 
+LANGUAGES = ("en", "de")
+"""A page is drawn when the words of one have come; the service's sentences come with the first of them."""
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("page", SHOWN_AT_ONCE)
-def test_a_page_of_the_patient_loads_little_script(page: str) -> None:
+def test_a_page_of_the_patient_loads_little_script(page: str, language: str) -> None:
     pieces = manifest()
     # The first page to be seen comes with the entry.
     own = [page] if page in pieces else []
-    loaded = with_imports(pieces, "index.html", *own, *SHOWN_AT_ONCE[page])
+    loaded = with_imports(pieces, "index.html", f"src/i18n/{language}/index.ts", *own, *SHOWN_AT_ONCE[page])
     sizes = {pieces[name]["file"]: packed_bytes(pieces[name]["file"]) for name in loaded}
     total = sum(sizes.values())
     largest = sorted(sizes.items(), key=lambda one: -one[1])[:6]
-    print(f"{page}: {total / 1000:.1f} kB in {len(sizes)} files")
+    print(f"{page} ({language}): {total / 1000:.1f} kB in {len(sizes)} files")
     assert total <= MOST_BYTES, f"{page} loads {total} bytes of script: {largest}"
 
 

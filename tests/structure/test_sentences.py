@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app.sentences import ENGLISH
+from app.sentences import ENGLISH, german
+from app.sentences.german import GERMAN
 from estimators import sentences as of_estimators
 from estimators.sentences._catalogue import places
 from estimators.sentences._formats import is_of_codes
@@ -71,9 +72,23 @@ def test_no_code_is_written_twice():
     assert sum(len(room) for room in [of_estimators.ENGLISH, *rooms]) == len(ENGLISH)
 
 
-def test_the_client_has_the_same_sentences():
-    shared = json.loads((ROOT / "web" / "src" / "i18n" / "en" / "sentences.json").read_text())
-    assert shared == ENGLISH, "run `npm run api` in web/ and commit the result"
+@pytest.mark.parametrize(("language", "sentences"), [("en", ENGLISH), ("de", GERMAN)])
+def test_the_client_has_the_same_sentences(language, sentences):
+    shared = json.loads((ROOT / "web" / "src" / "i18n" / language / "sentences.json").read_text())
+    assert shared == sentences, "run `npm run api` in web/ and commit the result"
+
+
+def test_every_sentence_is_said_in_german_with_the_same_places():
+    assert set(GERMAN) == set(ENGLISH)
+    assert sum(len(room.GERMAN) for room in german.ROOMS) == len(GERMAN), "a code is written twice"
+    for code, entry in ENGLISH.items():
+        translated = GERMAN[code]
+        assert isinstance(translated, str) == isinstance(entry, str), code
+        if isinstance(entry, str) or isinstance(translated, str):
+            assert set(places(translated)) == set(places(entry)), code
+        else:
+            assert set(places(translated["other"])) == set(places(entry["other"])), code
+            assert set(places(translated["one"])) <= set(places(entry["other"])), code
 
 
 TOLD_ERRORS = {"CalibrationError", "ComparisonError", "ContradictionError"}

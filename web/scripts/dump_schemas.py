@@ -1,7 +1,7 @@
 """Write what the browser shares with the service: the wire types as one OpenAPI document, the sentences, or the measures.
 
 Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, with `sentences` for
-`web/src/i18n/en/sentences.json`, and with `measures` for `web/src/api/measures.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
+`web/src/i18n/en/sentences.json`, with `german` for the same in German, and with `measures` for `web/src/api/measures.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
 does not cover, are added to its components.
 """
 
@@ -21,6 +21,7 @@ from app.main import create_app
 from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
 from app.sentences import ENGLISH
+from app.sentences.german import GERMAN
 from app.settings import Settings
 from estimators.measures import MEASURES, measures_of
 
@@ -28,8 +29,14 @@ SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
 FORM_PARTS = (recordings.UploadIn, MarkerUploadIn)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
-    "LayoutMessage", "StateMessage", "HealthMessage", "GuidanceMessage", "EventMessage", "ErrorMessage", "PlayerState",
-    "CalibrationMessage"
+    "LayoutMessage",
+    "StateMessage",
+    "HealthMessage",
+    "GuidanceMessage",
+    "EventMessage",
+    "ErrorMessage",
+    "PlayerState",
+    "CalibrationMessage",
 )
 
 
@@ -61,12 +68,13 @@ def measures() -> dict[str, Any]:
     """Return the names of measures by their part, in the order in which they are shown: the main ones, then all others."""
     parts = dict.fromkeys(one.part for one in MEASURES)
     return {
-        part: {"main": measures_of(part, is_main=True), "more": measures_of(part, is_main=False)} for part in parts
+        part: {"main": measures_of(part, is_main=True), "more": measures_of(part, is_main=False)}
+        for part in parts
     }
 
 
 if __name__ == "__main__":
-    wanted = {"sentences": lambda: ENGLISH, "measures": measures}
+    wanted = {"sentences": lambda: ENGLISH, "german": lambda: GERMAN, "measures": measures}
     shared = wanted.get("".join(sys.argv[1:]), document)()
     json.dump(shared, sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
     sys.stdout.write("\n")

@@ -1,5 +1,5 @@
 // Make src/api/schema.ts from src/api/openapi.json, or with --check say whether it is stale.
-// With PYTHON set (or ../.venv present) the document itself, the service's English sentences and its measures are dumped from the service first.
+// With PYTHON set (or ../.venv present) the document itself, the service's sentences and its measures are dumped from the service first.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -12,7 +12,11 @@ const check = process.argv.includes('--check');
 const python =
   process.env.PYTHON ?? (existsSync(here('../../.venv/bin/python')) ? here('../../.venv/bin/python') : null);
 
-const shared = { sentences: 'i18n/en/sentences.json', measures: 'api/measures.json' };
+const shared = {
+  sentences: 'i18n/en/sentences.json',
+  german: 'i18n/de/sentences.json',
+  measures: 'api/measures.json',
+};
 
 let document = existsSync(documentPath) ? readFileSync(documentPath, 'utf8') : '';
 if (python) {

@@ -3,8 +3,8 @@ import { createHash } from 'node:crypto';
 import { readFile } from 'node:fs/promises';
 import type { Plugin, Rollup } from 'vite';
 
-/** Pages that are wanted where there is no link; others are fetched when they are opened. */
-const WANTED = /\/src\/(pages\/mine|sensors)\/|\/ConfirmDialog\.tsx$/;
+/** Pages that are wanted where there is no link, and the words of every language; others are fetched when they are opened. */
+const WANTED = /\/src\/(pages\/mine|sensors|i18n\/[a-z]{2})\/|\/ConfirmDialog\.tsx$/;
 const WANTED_ASSETS = /\.css$|worker.*\.js$|latin-wght-normal.*\.woff2$/;
 const ALWAYS = ['/', '/mark.svg', '/manifest.webmanifest'];
 

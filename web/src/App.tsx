@@ -1,8 +1,9 @@
-import { lazy, Suspense } from 'react';
+import { lazy, Suspense, type ComponentType } from 'react';
 import { createBrowserRouter, type RouteObject } from 'react-router';
 import { OwnPages, StaffPages } from './components/ByRole';
 import { Shell } from './components/Shell';
 import { useSignedIn } from './components/account/useSignedIn';
+import { sentencesReady } from './i18n/languages';
 import { CrashPage } from './pages/Crash';
 import { NotFoundPage } from './pages/NotFound';
 import { SignInPage } from './pages/SignIn';
@@ -21,6 +22,14 @@ function Home() {
   );
 }
 
+/** A page in a piece of its own, opened when the words of the service's sentences are there too: sockets do not wait for them. */
+function page<Name extends string>(load: () => Promise<Record<Name, ComponentType>>, name: Name) {
+  return async () => {
+    const [piece] = await Promise.all([load(), sentencesReady()]);
+    return { Component: piece[name] };
+  };
+}
+
 // Pages that are not the first to be seen come in pieces of their own.
 export const routes: RouteObject[] = [
   { path: '/sign-in', element: <SignInPage />, errorElement: <CrashPage /> },
@@ -31,19 +40,19 @@ export const routes: RouteObject[] = [
     HydrateFallback: () => null,
     children: [
       { index: true, element: <Home /> },
-      { path: 'account', lazy: async () => ({ Component: (await import('./pages/OwnAccount')).OwnAccountPage }) },
+      { path: 'account', lazy: page(() => import('./pages/OwnAccount'), 'OwnAccountPage') },
       {
         element: <OwnPages />,
         children: [
-          { path: 'my/results', lazy: async () => ({ Component: (await import('./pages/mine/Results')).ResultsPage }) },
-          { path: 'my/data', lazy: async () => ({ Component: (await import('./pages/mine/MyData')).MyDataPage }) },
+          { path: 'my/results', lazy: page(() => import('./pages/mine/Results'), 'ResultsPage') },
+          { path: 'my/data', lazy: page(() => import('./pages/mine/MyData'), 'MyDataPage') },
           {
             path: 'my/sessions/:sessionId',
-            lazy: async () => ({ Component: (await import('./pages/mine/Replay')).MyReplayPage }),
+            lazy: page(() => import('./pages/mine/Replay'), 'MyReplayPage'),
           },
           {
             path: 'my/sessions/:sessionId/live',
-            lazy: async () => ({ Component: (await import('./pages/mine/Live')).MyLivePage }),
+            lazy: page(() => import('./pages/mine/Live'), 'MyLivePage'),
           },
         ],
       },
@@ -52,62 +61,60 @@ export const routes: RouteObject[] = [
         children: [
           {
             path: 'patients/new',
-            lazy: async () => ({ Component: (await import('./pages/PatientNew')).PatientNewPage }),
+            lazy: page(() => import('./pages/PatientNew'), 'PatientNewPage'),
           },
           {
             path: 'patients/:patientId',
-            lazy: async () => ({ Component: (await import('./pages/patient/PatientPage')).PatientPage }),
+            lazy: page(() => import('./pages/patient/PatientPage'), 'PatientPage'),
           },
           {
             path: 'patients/:patientId/sessions/new',
-            lazy: async () => ({ Component: (await import('./pages/session/NewSession')).NewSessionPage }),
+            lazy: page(() => import('./pages/session/NewSession'), 'NewSessionPage'),
           },
           {
             path: 'sessions/:sessionId',
-            lazy: async () => ({ Component: (await import('./pages/session/replay/SessionPage')).SessionPage }),
+            lazy: page(() => import('./pages/session/replay/SessionPage'), 'SessionPage'),
           },
           {
             path: 'sessions/:sessionId/live',
-            lazy: async () => ({ Component: (await import('./pages/session/live/LiveSession')).LiveSessionPage }),
+            lazy: page(() => import('./pages/session/live/LiveSession'), 'LiveSessionPage'),
           },
           {
             path: 'sessions/:sessionId/gait',
-            lazy: async () => ({ Component: (await import('./kinds/walk/GaitPage')).GaitPage }),
+            lazy: page(() => import('./kinds/walk/GaitPage'), 'GaitPage'),
           },
           {
             path: 'patients/:patientId/walks',
-            lazy: async () => ({ Component: (await import('./kinds/walk/ConditionsPage')).ConditionsPage }),
+            lazy: page(() => import('./kinds/walk/ConditionsPage'), 'ConditionsPage'),
           },
           {
             path: 'patients/:patientId/report',
-            lazy: async () => ({ Component: (await import('./pages/report/CoursePage')).CoursePage }),
+            lazy: page(() => import('./pages/report/CoursePage'), 'CoursePage'),
           },
           {
             path: 'sessions/:sessionId/estimators',
-            lazy: async () => ({ Component: (await import('./pages/session/replay/EstimatorsPage')).EstimatorsPage }),
+            lazy: page(() => import('./pages/session/replay/EstimatorsPage'), 'EstimatorsPage'),
           },
           {
             path: 'sessions/:sessionId/report',
-            lazy: async () => ({ Component: (await import('./pages/report/ReportPage')).ReportPage }),
+            lazy: page(() => import('./pages/report/ReportPage'), 'ReportPage'),
           },
           {
             path: 'templates/record',
-            lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }),
+            lazy: page(() => import('./pages/template/RecordTemplate'), 'RecordTemplatePage'),
           },
           {
             path: 'templates/versions/:versionId',
-            lazy: async () => ({
-              Component: (await import('./pages/template/editor/EditTemplate')).EditTemplatePage,
-            }),
+            lazy: page(() => import('./pages/template/editor/EditTemplate'), 'EditTemplatePage'),
           },
-          { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },
+          { path: 'exercises', lazy: page(() => import('./pages/Exercises'), 'ExercisesPage') },
           {
             path: 'exercises/:exerciseId',
-            lazy: async () => ({ Component: (await import('./pages/ExercisePage')).ExercisePage }),
+            lazy: page(() => import('./pages/ExercisePage'), 'ExercisePage'),
           },
-          { path: 'clinic', lazy: async () => ({ Component: (await import('./pages/Clinic')).ClinicPage }) },
-          { path: 'accuracy', lazy: async () => ({ Component: (await import('./pages/Accuracy')).AccuracyPage }) },
-          { path: 'upload', lazy: async () => ({ Component: (await import('./pages/Upload')).UploadPage }) },
+          { path: 'clinic', lazy: page(() => import('./pages/Clinic'), 'ClinicPage') },
+          { path: 'accuracy', lazy: page(() => import('./pages/Accuracy'), 'AccuracyPage') },
+          { path: 'upload', lazy: page(() => import('./pages/Upload'), 'UploadPage') },
         ],
       },
       { path: '*', element: <NotFoundPage /> },

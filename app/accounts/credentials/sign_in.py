@@ -205,6 +205,20 @@ def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) 
     return len(ended)
 
 
+def choose_locale(session: Session, account_id: str, locale: str) -> None:
+    """Remember in which language somebody reads the client.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    account_id : str
+    locale : str
+        A language of the client; empty for that of the browser.
+    """
+    session.execute(update(Account).where(Account.id == account_id).values(locale=locale))
+
+
 def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -> Me:
     """Return what a browser needs to know about its own account.
 

@@ -1,4 +1,6 @@
 // One way to the service: JSON in, JSON out with its words in the reader's language, errors as `ApiError`.
+import { t } from '../i18n';
+import { sentencesReady } from '../i18n/languages';
 import { inOurWords } from '../i18n/sentence';
 import { idleSeconds } from '../lib/browser/idle';
 
@@ -27,10 +29,10 @@ export function setCsrfToken(token: string): void {
 }
 
 async function errorOf(response: Response): Promise<ApiError> {
-  const fallback = `The service answered ${response.status}. Try again; if it stays, tell the person who runs the service.`;
+  const fallback = t('link.answered', { status: response.status });
   try {
-    const body = inOurWords(
-      (await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> },
+    const body = await heard<{ code?: string; message?: string; details?: Record<string, unknown> }>(
+      await response.text(),
     );
     return new ApiError(response.status, body.code ?? 'unknown', body.message ?? fallback, body.details ?? {});
   } catch {
@@ -48,16 +50,22 @@ async function send(path: string, init: RequestInit): Promise<Response> {
     });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
-    throw new ApiError(0, 'offline', 'The service cannot be reached. Check the network connection, then try again.');
+    throw new ApiError(0, 'offline', t('link.unreachable'));
   }
   if (!response.ok) throw await errorOf(response);
   return response;
 }
 
+/** An answer with its sentences in the reader's language; their words are fetched when the first of them arrives. */
+async function heard<T>(text: string): Promise<T> {
+  if (text.includes('"sentences":{"')) await sentencesReady();
+  return inOurWords(JSON.parse(text) as T);
+}
+
 async function json<T>(response: Response): Promise<T> {
   if (response.status === 204) return undefined as T;
   const text = await response.text();
-  return (text ? inOurWords(JSON.parse(text)) : undefined) as T;
+  return (text ? await heard<T>(text) : undefined) as T;
 }
 
 function change(method: string) {
@@ -135,17 +143,10 @@ export function upload<T>(
     request.upload.onprogress = (event) => {
       if (event.lengthComputable) onProgress(event.loaded / event.total);
     };
-    request.onerror = () =>
-      reject(
-        new ApiError(
-          0,
-          'offline',
-          'The upload was interrupted. Check the network connection, then send the file again.',
-        ),
-      );
+    request.onerror = () => reject(new ApiError(0, 'offline', t('link.interrupted')));
     request.onabort = () => reject(new DOMException('Aborted', 'AbortError'));
     request.onload = async () => {
-      if (request.status >= 200 && request.status < 300) resolve(inOurWords(JSON.parse(request.responseText) as T));
+      if (request.status >= 200 && request.status < 300) resolve(await heard<T>(request.responseText));
       else reject(await errorOf(new Response(request.responseText, { status: request.status })));
     };
     signal?.addEventListener('abort', () => request.abort());

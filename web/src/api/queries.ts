@@ -9,7 +9,7 @@ import {
 } from '@tanstack/react-query';
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
-import { setLocale } from '../i18n';
+import { speakLanguage, wanted } from '../i18n/languages';
 import { stopMeasuring } from '../sensors/registry';
 
 export const keys = {
@@ -59,9 +59,9 @@ export const keys = {
   job: (id: string) => ['jobs', id] as const,
 };
 
-function accept(me: Wire.Me): Wire.Me {
+async function accept(me: Wire.Me): Promise<Wire.Me> {
   setCsrfToken(me.csrf_token);
-  setLocale(me.locale);
+  await speakLanguage(wanted(me.locale));
   return me;
 }
 
@@ -71,7 +71,7 @@ export function useMe() {
     queryKey: keys.me,
     queryFn: async ({ signal }): Promise<Wire.Me | null> => {
       try {
-        return accept(await api.get<Wire.Me>('/api/me', signal));
+        return await accept(await api.get<Wire.Me>('/api/me', signal));
       } catch (error) {
         if (error instanceof ApiError && error.status === 401) return null;
         throw error;
@@ -84,11 +84,11 @@ export function useMe() {
 export function useSignIn() {
   const client = useQueryClient();
   return useMutation({
-    mutationFn: (request: Wire.SignInRequest) => api.post<Wire.Me>('/api/sign-in', request),
+    mutationFn: async (request: Wire.SignInRequest) => accept(await api.post<Wire.Me>('/api/sign-in', request)),
     onSuccess: (me) => {
       stopMeasuring();
       client.clear();
-      client.setQueryData(keys.me, accept(me));
+      client.setQueryData(keys.me, me);
     },
   });
 }

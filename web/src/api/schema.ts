@@ -433,7 +433,11 @@ export interface paths {
         delete?: never;
         options?: never;
         head?: never;
-        patch?: never;
+        /**
+         * Change Me
+         * @description Choose the language of the own account.
+         */
+        patch: operations["change_me_api_me_patch"];
         trace?: never;
     };
     "/api/me/password": {
@@ -4088,6 +4092,17 @@ export interface components {
             value: number | null;
         };
         /**
+         * MePatch
+         * @description What people may change of their own account.
+         */
+        MePatch: {
+            /**
+             * Locale
+             * @enum {string}
+             */
+            locale: "" | "en" | "de";
+        };
+        /**
          * MountingOut
          * @description How the sensors sat when they were last calibrated on this patient.
          */
@@ -6696,6 +6711,40 @@ export interface operations {
             };
             401: components["responses"]["Error401"];
             403: components["responses"]["Error403"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_me_api_me_patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MePatch"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];
         };
     };

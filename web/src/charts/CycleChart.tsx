@@ -4,7 +4,7 @@ import type uPlot from 'uplot';
 import { LegendStroke } from './Legend';
 import type { CycleCurve } from '../api/types';
 import { t } from '../i18n';
-import { displayUnit, quantity } from '../lib/format';
+import { displayUnit, plainTick, quantity } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
 export interface CycleChartProps {
@@ -54,7 +54,7 @@ export function CycleChart({ name, left, right, beforeLeft, beforeRight, height 
       scales: { x: { time: false, range: [0, 100] } },
       axes: [
         axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }),
-        axis({ size: 56, space: 38, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}`) }),
+        axis({ size: 56, space: 38, values: (_, ticks) => ticks.map((tick) => plainTick(tick, 2)) }),
       ],
       series: [
         {},

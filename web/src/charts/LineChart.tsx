@@ -2,11 +2,15 @@
 import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import { LegendStroke } from './Legend';
+import { plainTick } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 import { aligned, type Line } from './scales';
 
 const DASHES: (readonly number[] | undefined)[] = [undefined, [9, 5], [3, 4], [12, 4, 3, 4], [6, 3], [2, 3]];
 const COLOURS = 6;
+// Without it uPlot writes numbers in the browser's language, which need not be the page's.
+const values: uPlot.Axis.DynamicValues = (_, ticks) =>
+  ticks.map((one: number | null) => (one === null ? '' : plainTick(one, 6)));
 
 /** With more lines than colours a colour comes again, but never with the same stroke. */
 const dashOf = (index: number) => DASHES[(index + Math.floor(index / COLOURS)) % DASHES.length];
@@ -33,7 +37,7 @@ export function LineChart({ lines, xTitle, yTitle, label, logarithmic = false, h
       legend: { show: false },
       padding: [10, 30, 0, 0],
       scales: { x: { time: false, ...scale }, y: scale },
-      axes: [axis({ size: 32, label: xTitle, ...title }), axis({ size: 62, label: yTitle, ...title })],
+      axes: [axis({ size: 32, label: xTitle, values, ...title }), axis({ size: 62, label: yTitle, values, ...title })],
       series: [
         {},
         ...names.split('\n').map((_, index) => ({

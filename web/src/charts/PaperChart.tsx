@@ -2,7 +2,7 @@
 import type { CycleCurve, PhaseCurve, PhaseDesign, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
 import { bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
-import { date, displayUnit, quantity } from '../lib/format';
+import { date, displayUnit, plainTick, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 
 interface Size {
@@ -75,7 +75,7 @@ function Axes({ at, suffix, xTicks }: { at: Frame; suffix: string; xTicks: { at:
         <g key={tick}>
           <path d={`M${LEFT} ${at.y(tick)}H${at.width - RIGHT}`} />
           <text x={LEFT - 6} y={at.y(tick) + 4} textAnchor="end">
-            {`${Number(tick.toFixed(3))}${suffix}`.replace('-', '−')}
+            {plainTick(tick, 3) + suffix}
           </text>
         </g>
       ))}

@@ -1,5 +1,6 @@
-// A typed catalogue: keys are checked, parameters are checked, plurals follow the language.
-import { en } from './en';
+// A typed catalogue: keys are checked, parameters are checked, plurals follow the language. Every language comes in a piece of
+// its own (`languages.ts`); here is which one is spoken.
+import type { words as english } from './en';
 
 type Entry = string | { readonly one: string; readonly other: string };
 type Names<S extends string> = S extends `${string}{${infer Name}}${infer Rest}` ? Name | Names<Rest> : never;
@@ -7,24 +8,27 @@ type Parameters<E extends Entry> = E extends string
   ? { [K in Names<E>]: string | number }
   : { [K in Names<(E & { other: string })['other']> | 'count']: string | number };
 
-export type Catalogue = {
-  [K in keyof typeof en]: (typeof en)[K] extends string ? string : { one: string; other: string };
-};
-export type Key = keyof typeof en;
-type Arguments<K extends Key> = keyof Parameters<(typeof en)[K]> extends never
+/** The words of one file in another language: the same keys, plurals where English has them. */
+export type Translated<English> = { readonly [K in keyof English]: English[K] extends string ? string : Plural };
+interface Plural {
+  readonly one: string;
+  readonly other: string;
+}
+export type Catalogue = Translated<typeof english>;
+export type Key = keyof Catalogue;
+type Arguments<K extends Key> = keyof Parameters<(typeof english)[K]> extends never
   ? []
-  : [values: Parameters<(typeof en)[K]>];
+  : [values: Parameters<(typeof english)[K]>];
 
-const catalogues: Record<string, Catalogue> = { en };
 let language = 'en';
-let catalogue: Catalogue = en;
+// Nothing is drawn before the first language has come.
+let catalogue = {} as Catalogue;
 
-/** Switch to the language of the signed-in person, if there is a catalogue for it. */
-export function setLocale(locale: string): void {
-  const wanted = locale.split('-')[0] ?? 'en';
-  language = wanted in catalogues ? wanted : 'en';
-  catalogue = catalogues[language] ?? en;
-  if (typeof document !== 'undefined') document.documentElement.lang = language;
+/** From now on this language is spoken with these words. */
+export function speakWith(name: string, words: Catalogue): void {
+  language = name;
+  catalogue = words;
+  if (typeof document !== 'undefined') document.documentElement.lang = name;
 }
 
 /** The text of a key with its parameters put in. */
@@ -42,7 +46,7 @@ export function t<K extends Key>(key: K, ...values: Arguments<K>): string {
 
 /** Whether there is a text for a key that is put together at run time, such as a code of the service. */
 export function isKey(key: string): key is Key {
-  return key in en;
+  return key in catalogue;
 }
 
 /** The text of a key without parameters that is put together at run time, or the fallback. */
@@ -57,9 +61,9 @@ export function currentLanguage(): string {
   return language;
 }
 
-/** A name as it stands within a sentence: without a capital of its own. */
+/** A name as it stands within a sentence: without a capital of its own, except in German, where nouns keep theirs. */
 export function withinSentence(name: string): string {
-  return name.slice(0, 1).toLocaleLowerCase(formatLocale()) + name.slice(1);
+  return language === 'de' ? name : name.slice(0, 1).toLocaleLowerCase(formatLocale()) + name.slice(1);
 }
 
 /** The language for number and date formats; dates are written day first in English. */

@@ -19,6 +19,11 @@ export function speak(language: string, sentences: Sentences): void {
   catalogues[language] = sentences;
 }
 
+/** Whether sentences in this language are said with words of its own. */
+export function isSpoken(language: string): boolean {
+  return language in catalogues;
+}
+
 const UNITS: Record<string, { factor: number; suffix: string; digits: number } | undefined> = {
   number: { factor: 1, suffix: '', digits: 0 },
   s: { factor: 1, suffix: ' s', digits: 0 },

@@ -17,24 +17,34 @@ const UNITS: Record<string, DisplayUnit> = {
   'm/s': { factor: 1, suffix: ' m/s', digits: 2 },
   s: { factor: 1, suffix: ' s', digits: 1 },
   ms: { factor: 1, suffix: ' ms', digits: 0 },
-  '1/m': { factor: 1, suffix: ' per metre', digits: 1 },
   '%': { factor: 1, suffix: ' %', digits: 0 },
   percent: { factor: 1, suffix: ' %', digits: 0 },
   '1': { factor: 1, suffix: '', digits: 2 },
   '': { factor: 1, suffix: '', digits: 2 },
   count: { factor: 1, suffix: '', digits: 0 },
-  bands: { factor: 1, suffix: ' × tolerance', digits: 1 },
 };
+
+/** Units that are words. */
+const NAMED = { '1/m': 'unit.perMetre', bands: 'unit.tolerances' } as const;
 
 /** How to show values of this unit; an unknown unit is shown as it is. */
 export function displayUnit(unit: string | null | undefined): DisplayUnit {
   const name = unit ?? '';
+  if (name === '1/m' || name === 'bands') return { factor: 1, suffix: ` ${t(NAMED[name])}`, digits: 1 };
   return UNITS[name] ?? { factor: 1, suffix: name ? ` ${name}` : '', digits: 2 };
 }
 
 /** A number at an axis, never without its unit. */
 export function tick(value: number, unit: DisplayUnit): string {
-  return `${Number(value.toFixed(2))}${unit.suffix}`.replace('-', '−');
+  return `${plainTick(value, 2)}${unit.suffix}`;
+}
+
+/** A number at an axis that has its unit elsewhere: only the decimals that it needs. */
+export function plainTick(value: number, digits: number): string {
+  const text = new Intl.NumberFormat(formatLocale(), { maximumFractionDigits: digits, useGrouping: false }).format(
+    Object.is(value, -0) ? 0 : value,
+  );
+  return /^-[0.,]+$/.test(text) ? text.slice(1) : text.replace('-', '−');
 }
 
 /** A plain number with a fixed count of decimals and a true minus sign. */
@@ -139,6 +149,13 @@ export function age(birthDate: string, now = new Date()): number {
   return now.getFullYear() - born.getFullYear() - (had ? 0 : 1);
 }
 
+const plain = (value: number, digits: number) =>
+  new Intl.NumberFormat(formatLocale(), {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+    useGrouping: false,
+  }).format(value);
+
 /** Seconds as `1:05.2`, for positions on a time line. */
 export function position(seconds: number, digits = 1): string {
   if (!Number.isFinite(seconds)) return '–';
@@ -146,7 +163,7 @@ export function position(seconds: number, digits = 1): string {
   const whole = Math.round(Math.max(0, seconds) * scale);
   const minutes = Math.floor(whole / (60 * scale));
   const rest = (whole - minutes * 60 * scale) / scale;
-  return `${minutes}:${rest.toFixed(digits).padStart(digits ? 3 + digits : 2, '0')}`;
+  return `${minutes}:${plain(rest, digits).padStart(digits ? 3 + digits : 2, '0')}`;
 }
 
 /** Length of time in words, e.g. `4 min 10 s`. */

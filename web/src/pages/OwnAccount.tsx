@@ -3,6 +3,7 @@ import { useState, type FormEvent } from 'react';
 import { useChangePassword } from '../api/queries';
 import { Notice, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
+import { LanguageChoice } from '../components/account/LanguageChoice';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
 import { SecondFactorCard } from './SecondFactorCard';
@@ -71,6 +72,11 @@ export function OwnAccountPage() {
             </Button>
           </div>
         </form>
+        {!me.must && (
+          <section className="card stack form-card" aria-label={t('language.label')}>
+            <LanguageChoice account={me.locale} />
+          </section>
+        )}
         {me.must !== 'password' && <SecondFactorCard />}
       </div>
     </Page>

@@ -5,6 +5,7 @@ import { ApiError } from '../api/client';
 import { useMe, useSignIn } from '../api/queries';
 import { Notice, Problem } from '../components/Feedback';
 import { Wordmark } from '../components/Shell';
+import { LanguageChoice } from '../components/account/LanguageChoice';
 import { t } from '../i18n';
 
 /** Only a path of this client may follow the sign-in. */
@@ -113,6 +114,7 @@ export function SignInPage() {
             {t('action.signIn')}
           </Button>
           <p className="muted small">{t('signIn.help')}</p>
+          <LanguageChoice account={null} />
         </form>
       </div>
     </main>

@@ -2,7 +2,7 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, it } from 'vitest';
 import { isKey, t } from '../../src/i18n';
-import { en } from '../../src/i18n/en';
+import { words as en } from '../../src/i18n/en';
 
 const sources = readdirSync('src', { recursive: true, encoding: 'utf8' })
   .filter((name) => /\.tsx?$/.test(name) && !name.startsWith('i18n') && !name.includes('schema'))

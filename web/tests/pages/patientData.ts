@@ -17,7 +17,7 @@ import type {
   SessionState,
   StateMessage,
 } from '../../src/api/types';
-import { en } from '../../src/i18n/en';
+import { words as en } from '../../src/i18n/en';
 import { THERAPIST } from './render';
 
 export const PATIENT: Me = {

@@ -37,6 +37,9 @@ export const common = {
 
   'state.loading': 'Loading',
 
+  'link.answered': 'The service answered {status}. Try again; if it stays, tell the person who runs the service.',
+  'link.unreachable': 'The service cannot be reached. Check the network connection, then try again.',
+  'link.interrupted': 'The upload was interrupted. Check the network connection, then send the file again.',
   'problem.unknown': 'Something went wrong here. Try again.',
   'problem.not_found':
     'It may have been removed, or it is not shared with you. Ask the colleague who treats this patient for access.',
@@ -56,6 +59,8 @@ export const common = {
 
   'date.example': '31 Mar 2025',
   'date.unclear': 'Write the day as 31 Mar 2025.',
+  'unit.perMetre': 'per metre',
+  'unit.tolerances': '× tolerance',
   'time.never': 'Never',
   'time.today': 'Today, {time}',
   'time.yesterday': 'Yesterday, {time}',
@@ -77,6 +82,10 @@ export const common = {
   'offline.title': 'No connection to the service',
   'offline.text': 'Check the network. This page opens by itself as soon as the service answers.',
   'crash.reload': 'Reload the page',
+
+  'language.label': 'Language',
+  'language.help': 'For your account, on every device.',
+  'language.browser': 'As set in the browser',
 
   'signIn.title': 'Sign in',
   'signIn.email': 'E-mail',

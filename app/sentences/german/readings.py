@@ -1,0 +1,85 @@
+"""German sentences of implausible readings."""
+
+from typing import Final
+
+GERMAN: Final[dict[str, str | dict[str, str]]] = {
+    "readings.accelerometer_against_others": "{where:place}: Die Achsen des Beschleunigungssensors passen nicht"
+    " zu den anderen Sensoren. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.accelerometer_clipped": "{where:place}: Der Beschleunigungssensor endet bei {level_mps2:mps2}."
+    " Wählen Sie einen größeren Bereich.",
+    "readings.accelerometer_dead": "{where:place}: Der Beschleunigungssensor ändert sich nie. Tauschen Sie den"
+    " Sensor aus, oder prüfen Sie seine Verdrahtung.",
+    "readings.accelerometer_unit": "{where:place}: Der Beschleunigungssensor zeigt in Ruhe {value:number~4},"
+    " erwartet sind 9,81 m/s². {remedy}",
+    "readings.axes_apart": "{where:place}: Gyroskop und Beschleunigungssensor haben nicht dieselben Achsen."
+    " Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.field_axes_apart": "{where:place}: Gyroskop und Magnetometer haben nicht dieselben Achsen."
+    " Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.field_down": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach unten. Der"
+    " Beschleunigungssensor liefert Schwerkraft statt spezifischer Kraft (wie Geräte mit"
+    " Nord-Ost-unten-Achsen), oder das Magnetometer ist umgekehrt: Ändern Sie das Vorzeichen.",
+    "readings.field_in_gauss": "Das sieht nach Gauß aus: durch 10 000 teilen.",
+    "readings.field_in_microtesla": "Das sieht nach Mikrotesla aus: durch 1 000 000 teilen.",
+    "readings.field_in_milligauss": "Das sieht nach Milligauß aus: durch 10 000 000 teilen.",
+    "readings.field_in_nanotesla": "Das sieht nach Nanotesla aus: durch 1 000 000 000 teilen.",
+    "readings.field_normalised": "Das sieht nach einem normierten Feld aus: Senden Sie die Rohwerte.",
+    "readings.field_off": "{where:place}: Das Magnetometer zeigt {field_t:ut~3}, erwartet sind 25 bis 65 µT."
+    " Prüfen Sie die Einheit, gehen Sie weg von Eisen und Magneten, und kalibrieren Sie es.",
+    "readings.field_up": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach oben. Der"
+    " Beschleunigungssensor liefert Schwerkraft statt spezifischer Kraft (wie Geräte mit"
+    " Nord-Ost-unten-Achsen), oder das Magnetometer ist umgekehrt: Ändern Sie das Vorzeichen.",
+    "readings.field_varies": "{where:place}: Das Magnetfeld schwankt um {share:percent}. Gehen Sie weg von Eisen"
+    " und Magneten, oder kalibrieren Sie das Magnetometer.",
+    "readings.force_in_counts": "Das sieht nach rohen Zählwerten aus: Skalieren Sie sie nach dem Datenblatt.",
+    "readings.force_in_feet": "Das sieht nach ft/s² aus: mit 0,3048 malnehmen.",
+    "readings.force_in_g": "Das sieht nach g aus: mit 9,80665 malnehmen.",
+    "readings.force_in_milli_g": "Das sieht nach mg oder cm/s² aus: mit 0,00980665 oder 0,01 malnehmen.",
+    "readings.force_unknown": "Prüfen Sie Einheit, Bereich und Kalibrierung.",
+    "readings.force_without_gravity": "Das Gerät entfernt die Schwerkraft: Stellen Sie es auf rohe"
+    " Beschleunigung um.",
+    "readings.gyroscope_against_accelerometer": "{where:place}: Die Achsen des Gyroskops passen nicht zu denen"
+    " des Beschleunigungssensors. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.gyroscope_against_magnetometer": "{where:place}: Die Achsen des Gyroskops passen nicht zu denen"
+    " des Magnetometers. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.gyroscope_against_others": "{where:place}: Die Achsen des Gyroskops passen nicht zu den anderen"
+    " Sensoren. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.gyroscope_clipped": "{where:place}: Das Gyroskop endet bei {level_radps:degps}, schnellere"
+    " Bewegung geht also verloren. Wählen Sie einen größeren Bereich, oder bewegen Sie sich langsamer.",
+    "readings.gyroscope_dead": {
+        "one": "{where:place}: Eine Achse des Gyroskops ändert sich nie ({axes:and}). Tauschen Sie den Sensor"
+        " aus, oder prüfen Sie seine Verdrahtung.",
+        "other": "{where:place}: Achsen des Gyroskops ändern sich nie ({axes:and}). Tauschen Sie den Sensor"
+        " aus, oder prüfen Sie seine Verdrahtung.",
+    },
+    "readings.gyroscope_in_degrees": "{where:place}: Das Gyroskop zeigt das 57-fache der Drehung des Sensors:"
+    " Grad/s sind als rad/s angegeben. Durch 57,296 teilen oder Grad/s angeben.",
+    "readings.gyroscope_restless": "{where:place}: Das Gyroskop zeigt {rate_radps:number~2} rad/s, während der"
+    " Sensor still liegt. Sind das Grad/s, geben Sie sie so an; sonst bestimmen Sie den Gyroskop-Nullpunkt.",
+    "readings.gyroscope_scale": "{where:place}: Das Gyroskop zeigt das {factor:number~3}-fache der Drehung des"
+    " Sensors, nach Schwerkraft und Feld beurteilt. Prüfen Sie Einheit und Skalenfaktor.",
+    "readings.gyroscope_silent": "{where:place}: Der Sensor dreht sich, aber sein Gyroskop zeigt nichts."
+    " Tauschen Sie ihn aus.",
+    "readings.gyroscope_too_calm": "{where:place}: Das Gyroskop zeigt höchstens {rate_radps:number~2} rad/s,"
+    " obwohl der Sensor mit {force_mps2:mps2} geschüttelt wird. Prüfen Sie seine Einheit.",
+    "readings.gyroscope_twice": "{where:place}: Das Gyroskop zeigt ein 57stel der Drehung des Sensors: rad/s"
+    " wurden zweimal umgerechnet. Geben Sie rad/s an.",
+    "readings.magnetometer_against_gyroscope": "{where:place}: Die Achsen des Magnetometers passen nicht zu"
+    " denen des Gyroskops. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    "readings.magnetometer_constant": "{where:place}: Das Magnetometer ändert sich nie. Geben Sie an, dass es"
+    " keines gibt, oder schalten Sie es ein.",
+    "readings.magnetometer_frozen": "{where:place}: Das Magnetometer wiederholte {lasts_s:s} lang einen Wert,"
+    " während sich der Sensor drehte. Richtungen beruhen dort allein auf dem Gyroskop; prüfen Sie den Sensor"
+    " und seine Verbindung.",
+    "readings.magnetometer_unit": "{where:place}: Das Magnetometer zeigt {value:number~3}, erwartet sind"
+    " 0,000025 bis 0,000065 T. {remedy}",
+    "readings.magnetometer_zero": "{where:place}: Das Magnetometer zeigt immer null. Geben Sie an, dass es"
+    " keines gibt, oder schalten Sie es ein.",
+    "readings.more": {
+        "one": "Ein weiterer Befund.",
+        "other": "{count} weitere Befunde.",
+    },
+    "readings.no_data": "{where:place}: Es kommen kaum Messwerte an. Prüfen Sie, ob der Sensor eingeschaltet und"
+    " in der Nähe ist.",
+}
+
+__all__ = ["GERMAN"]

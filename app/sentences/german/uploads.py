@@ -1,0 +1,49 @@
+"""German sentences of uploads and the 3D view."""
+
+from typing import Final
+
+GERMAN: Final[dict[str, str | dict[str, str]]] = {
+    "upload.broken_off": "Das Hochladen brach vor dem Ende ab; senden Sie noch einmal.",
+    "upload.csv_needs_mapping": "Ein CSV-Upload braucht `csv`: welche Spalte was enthält, in welcher Einheit.",
+    "upload.damaged_packets": {
+        "one": "{count} beschädigtes Paket wurde abgewiesen.",
+        "other": "{count} beschädigte Pakete wurden abgewiesen.",
+    },
+    "upload.declaration_first": "Senden Sie den Teil `declaration` (JSON) vor dem Teil `file`.",
+    "upload.declaration_too_long": "Die Angaben sind zu lang.",
+    "upload.fields": "Die Angaben sind falsch bei: {fields:and}.",
+    "upload.gone": "Die hochgeladene Datei gibt es nicht mehr; laden Sie sie noch einmal hoch.",
+    "upload.header_too_long": "Ein Kopf eines Teils ist zu lang.",
+    "upload.implausible": "Die Messwerte können nicht stimmen. {findings} Berichtigen Sie die Angaben, und laden"
+    " Sie die Datei noch einmal hoch, oder geben Sie `accept_implausible` an, um sie auszuwerten, wie sie"
+    " ist.",
+    "upload.malformed": "Der Inhalt ist kein wohlgeformtes multipart/form-data.",
+    "upload.multipart": "Senden Sie multipart/form-data mit den Teilen `declaration` und `file`.",
+    "upload.no_file": "Der Teil `file` fehlt.",
+    "upload.parts": "Senden Sie genau die Teile `declaration` und `file`, in dieser Reihenfolge.",
+    "upload.pose": "Die Haltung in `calibration_pose_s` muss ein Anfang und ein späteres Ende sein, in Sekunden"
+    " der Aufzeichnung.",
+    "upload.same_signals": "Die Sensoren senden dasselbe Signal: {where:place}. Ein Sensor kommt unter mehreren"
+    " Namen; was von ihnen gezeigt wird, ist die Bewegung von einem. Prüfen Sie, welcher Sensor wo war, und"
+    " laden Sie die Aufzeichnung noch einmal hoch.",
+    "upload.too_large": "Die Datei ist größer als die Grenze von {limit_bytes:mib}; teilen Sie die Aufzeichnung.",
+    "viewer.command": "Senden Sie Befehle `player` oder `camera` als JSON; siehe die Schnittstelle.",
+    "viewer.command_too_long": "Ein Befehl hat höchstens 2 kB JSON.",
+    "viewer.distance": "{place:place}: {distance_m:cm}",
+    "viewer.distance_about": "{place:place}: etwa {distance_m:cm}",
+    "viewer.markers_live": "Marker werden nur in der Wiedergabe gezeigt.",
+    "viewer.no_guard": "Die 3D-Ansicht kann mit dieser Version von viser nicht geschützt werden; installieren"
+    " Sie viser 1.1.",
+    "viewer.no_signal": "{place:place}: kein Signal",
+    "viewer.not_found": "Diese 3D-Ansicht gibt es nicht mehr; öffnen Sie die Sitzung noch einmal.",
+    "viewer.not_ready": "Die 3D-Ansicht ist nicht bereit; versuchen Sie es erneut.",
+    "viewer.protocol": "Die Seite und die 3D-Ansicht haben verschiedene Versionen ({version}); laden Sie die"
+    " Seite neu.",
+    "viewer.sensor": "{place:place}",
+    "viewer.session_ended": "Diese Sitzung ist beendet; öffnen Sie stattdessen eine Wiedergabe.",
+    "viewer.silent": "Keine Daten von den Sensoren",
+    "viewer.source": "{place:place}: Quelle",
+    "viewer.version": "Die 3D-Ansicht kennt die Seite dieser Version von viser nicht; installieren Sie viser 1.1.",
+}
+
+__all__ = ["GERMAN"]

@@ -1,0 +1,73 @@
+// Words of an exercise while it is done, and of the questions after it. A grandmother must not ask about any of them.
+import type { Translated } from '../..';
+import type { doing as english } from '../../en/own/doing';
+
+export const doing: Translated<typeof english> = {
+  'doing.waiting': 'Setzen Sie sich wie am Anfang hin und ruhen Sie einen Moment',
+  'doing.ready': 'Fangen Sie an, wann Sie möchten',
+  'doing.moving': 'Machen Sie mit wie die Figur',
+  'doing.free': 'Machen Sie Ihre Übung',
+  'doing.alone': 'Ihre Bewegungen können gerade nicht gezählt werden. Aufgezeichnet wird trotzdem alles.',
+  'doing.count': 'Gezählt',
+  'doing.of': 'von {goal}',
+  'doing.partial': { one: '{count} nicht ganz weit genug', other: '{count} nicht ganz weit genug' },
+  'doing.wrong': { one: '{count} andere Bewegung', other: '{count} andere Bewegungen' },
+  'doing.aloud': 'Laut mitzählen',
+  'doing.say': '{count}',
+  'doing.buttons': 'Pause oder aufhören',
+  'doing.pause': 'Pause',
+  'doing.pain': 'Es tut weh',
+  'doing.stop': 'Aufhören',
+  'doing.goOn': 'Weitermachen',
+  'doing.finish': 'Für heute beenden',
+  'doing.more': 'Noch ein paar',
+  'doing.notTold':
+    'Ihre Praxis konnte noch nicht benachrichtigt werden. Ruhen Sie sich aus; auf dieser Seite wird nichts gezählt.',
+  'doing.held.person': 'Machen Sie eine Pause',
+  'doing.held.person.text': 'Es wird nichts gezählt, bis Sie weitermachen.',
+  'doing.held.finish': 'Für heute beenden?',
+  'doing.held.finish.text': 'Es wird nichts gezählt, bis Sie sich entscheiden.',
+  'doing.held.pain': 'Hören Sie auf und ruhen Sie sich aus',
+  'doing.held.pain.text':
+    'Bewegen Sie sich nicht weiter und ruhen Sie sich aus. Wenn der Schmerz bleibt oder stark ist, beenden Sie für heute und rufen Sie in Ihrer Praxis an.',
+  'doing.held.pain.known': 'In Ihrer Praxis ist zu sehen, dass es wehgetan hat.',
+  'doing.held.limit': 'Das war weit genug',
+  'doing.held.limit.text':
+    'Weiter als so sollen Sie sich nicht bewegen. Ruhen Sie sich aus und machen Sie dann kleinere Bewegungen.',
+  'doing.held.done': 'Alles geschafft!',
+  'doing.held.done.text': 'Sie haben bei dieser Übung alles gemacht.',
+  'doing.held.set': 'Gut gemacht. Ruhen Sie einen Moment',
+  'doing.held.set.text': {
+    one: 'Noch {count} für heute. Machen Sie weiter, wenn Sie so weit sind.',
+    other: 'Noch {count} für heute. Machen Sie weiter, wenn Sie so weit sind.',
+  },
+  'doing.held.enough': 'Genug für jetzt',
+  'doing.held.enough.text': 'Sie haben es oft genug versucht. Ruhen Sie sich aus.',
+  'doing.held.time': 'Die Zeit ist um',
+  'doing.held.time.text': 'Sie haben so lange geübt, wie es vorgesehen war.',
+  'doing.held.lost': 'Einen Moment',
+  'doing.held.lost.text':
+    'Ihre Bewegung ist gerade nicht gut zu sehen. Prüfen Sie, ob die Sensoren fest sitzen und in der Nähe sind. Es geht von selbst weiter.',
+  'doing.held.wrong_in_a_row': 'Schauen Sie noch einmal hin',
+  'doing.held.wrong_in_a_row.text': 'Sehen Sie zu, wie die Figur sich bewegt. Versuchen Sie es dann genauso.',
+  'doing.facesYou': 'Die Figur schaut Sie an: Was bei ihr rechts ist, sehen Sie links.',
+  'doing.wearPicture': 'Wo die Sensoren sitzen: {places}',
+
+  'after.title': 'Wie war es?',
+  'after.pain': 'Hat es wehgetan?',
+  'after.pain.least': 'gar nicht',
+  'after.pain.most': 'sehr stark',
+  'after.effort': 'Wie anstrengend war es?',
+  'after.effort.least': 'sehr leicht',
+  'after.effort.most': 'so anstrengend wie nur möglich',
+  'after.third.least': 'gar nicht',
+  'after.third.most': 'sehr',
+  'after.note': 'Möchten Sie Ihrer Praxis noch etwas mitteilen?',
+  'after.send': 'An meine Praxis senden',
+  'after.sent': 'Danke. In Ihrer Praxis kann man es jetzt lesen.',
+  'after.did': {
+    one: 'Sie haben eine gute Bewegung gemacht.',
+    other: 'Sie haben {count} gute Bewegungen gemacht.',
+  },
+  'after.didNone': 'Sie haben geübt. Das zählt.',
+};

@@ -1,0 +1,96 @@
+// German says everything that English says, with the same places, and nothing of it is English.
+import { afterEach, describe, expect, it } from 'vitest';
+import { speakWith, t, withinSentence } from '../../src/i18n';
+import { words as german } from '../../src/i18n/de';
+import germanSentences from '../../src/i18n/de/sentences.json';
+import { words as english } from '../../src/i18n/en';
+import englishSentences from '../../src/i18n/en/sentences.json';
+import { said, type Sentences } from '../../src/i18n/sentence';
+
+type Entry = string | { one: string; other: string };
+type Words = Record<string, Entry>;
+const PAIRS: [string, Words, Words][] = [
+  ['words of the pages', english, german],
+  ['sentences of the service', englishSentences, germanSentences],
+];
+/** What is the same in both languages: names, units, and words that German took over. */
+const ALIKE = new Set([
+  'Arm',
+  'Band',
+  'Gateways',
+  'Hand',
+  'In',
+  'Marker',
+  'Name',
+  'Pause',
+  'Phase {number}',
+  'Sensor',
+  'Sensor: {place}.',
+  'Signal {number}',
+  'Telemotion',
+  'Telemotion {version}',
+  'Ticket',
+  'Version',
+  'Version {number}, {date}',
+  'cm',
+  'mm',
+  '{minutes} min {seconds} s',
+  '{title}, live',
+  '± (mm)',
+]);
+/** English words that no German sentence has; `an`, `in`, `was`, `am`, `also`, `war`, `die` are German too. */
+const STOP =
+  /\b(the|and|of|with|your|you|is|are|this|that|to|for|from|not|no|by|on|it|or|be|has|have|one|when|which|than|only|sensor's|patient's)\b/i;
+
+const texts = (entry: Entry): string[] => (typeof entry === 'string' ? [entry] : Object.values(entry));
+const places = (text: string): string[] => [...new Set(text.match(/\{\w+(?::[^}]*)?\}/g) ?? [])].sort();
+/** Without places, what is written as code, and signs. */
+const plain = (text: string) => text.replace(/\{[^}]*\}|`[^`]*`|„telemotion [^“]*“|\bfor\b(?=m-data)/g, ' ');
+
+afterEach(() => speakWith('en', english));
+
+describe.each(PAIRS)('the %s', (_, ours, theirs) => {
+  it('have the same keys', () => expect(Object.keys(theirs).sort()).toEqual(Object.keys(ours).sort()));
+
+  it('have the same places, plurals where English has them', () => {
+    for (const [key, entry] of Object.entries(ours)) {
+      const other = theirs[key] as Entry;
+      expect(typeof other, key).toBe(typeof entry);
+      if (typeof entry === 'string' || typeof other === 'string')
+        expect(places(texts(other).join(' ')), key).toEqual(places(texts(entry).join(' ')));
+      else {
+        expect(places(other.other), key).toEqual(places(entry.other));
+        expect(places(entry.other), key).toEqual(expect.arrayContaining(places(other.one)));
+      }
+    }
+  });
+
+  it('are not left in English', () => {
+    const same = Object.entries(ours)
+      .flatMap(([key, entry]) => texts(entry).map((text, at) => [key, text, texts(theirs[key] as Entry)[at]] as const))
+      .filter(([, text, other]) => text === other && /[a-z]{2}/i.test(plain(text)) && !ALIKE.has(text));
+    expect(same.map(([key, text]) => `${key}: ${text}`)).toEqual([]);
+  });
+
+  it('have no English word left in them', () => {
+    const found = Object.entries(theirs)
+      .flatMap(([key, entry]) => texts(entry).map((text) => [key, text] as const))
+      .filter(([, text]) => STOP.test(plain(text)));
+    expect(found.map(([key, text]) => `${key}: ${text}`)).toEqual([]);
+  });
+});
+
+describe('German', () => {
+  it('is spoken with its own plurals, numbers, lists and capitals', () => {
+    speakWith('de', german);
+    expect(document.documentElement.lang).toBe('de');
+    expect(t('time.daysAgo', { count: 1 })).toBe('vor 1 Tag');
+    expect(t('time.daysAgo', { count: 3 })).toBe('vor 3 Tagen');
+    expect(withinSentence('Oberarm links')).toBe('Oberarm links');
+    const words = germanSentences as Sentences;
+    const body = { code: 'body.stature', params: { stature_m: 170 } };
+    expect(said(body, words)).toContain('170,00 m');
+    const lost = { code: 'live.sends_nothing', params: { sensors: ['head', 'hand_left'] } };
+    expect(said(lost, words)).toContain('Kopf und Hand links');
+  });
+});
