@@ -100,13 +100,13 @@ bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its 
 	@$(BIN)/python -m tests.benchmarks.bench_abuse
 
 bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother
-	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.bench_$$part || status=1; done; exit $$status
+	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.estimation.bench_$$part || status=1; done; exit $$status
 
 bench-gait: $(VENV)/installed ## Cost of following feet: off-line by length, live by sensors
-	@$(BIN)/python -m tests.benchmarks.bench_gait
+	@$(BIN)/python -m tests.benchmarks.estimation.bench_gait
 
 bench-magnetic: $(VENV)/installed ## Fields a second, and a core's share of a relative-pose session
-	@$(BIN)/python -m tests.benchmarks.bench_magnetic
+	@$(BIN)/python -m tests.benchmarks.estimation.bench_magnetic
 
 bench-viewer: $(VENV)/installed ## Processor cost of the 3D scene
 	@$(BIN)/python -m tests.benchmarks.bench_viewer

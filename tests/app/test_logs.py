@@ -24,8 +24,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
 from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession
-
-from .test_writer_lock import free_port, wait_until_up
+from tests.app.database.test_writer_lock import free_port, wait_until_up
 
 ROOT = Path(__file__).resolve().parents[2]
 SECRETS = ("Ada", "Lindqvist", "therapist@", "stranger@", "a long enough password", "wrong-horse")
@@ -76,7 +75,7 @@ def test_a_client_cannot_choose_the_identifier(therapist, lines):
 def test_a_session_that_loses_its_link_and_a_socket_are_told(therapist, world, services, engine, lines):
     from app.gateway import stream_of
     from estimators.simulation import ArmScenario, Schedule, simulate_arm
-    from tests.app.live.test_live_failures import hello, new_session, receive_until
+    from tests.app.live.streams.test_live_failures import hello, new_session, receive_until
 
     stream = stream_of(
         simulate_arm(ArmScenario(schedule=Schedule(n_pose_s=3.0, repetitions=1), seed=6)).recording

@@ -18,9 +18,9 @@ import numpy as np
 from playwright.sync_api import Page, expect, sync_playwright
 
 from app.demo.people import PATIENTS
-from tests.e2e import sensors_at_home as home
-from tests.e2e.broken_link import Relay, relaying
 from tests.e2e.conftest import CHROMIUM, FLAGS, Visitor, apart, serving
+from tests.e2e.sensors import sensors_at_home as home
+from tests.e2e.sensors.broken_link import Relay, relaying
 
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 PATIENCE_MS = 60_000

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 import psutil
 
-from tests.benchmarks.bench_magnetic import PACKET_TICKS, SECONDS
+from tests.benchmarks.estimation.bench_magnetic import PACKET_TICKS, SECONDS
 from tests.benchmarks.live.load import WARM_UP_S, Load, connect, create
 from tests.benchmarks.live.parts import magnetic
 from tests.benchmarks.live.watching import stored

@@ -9,8 +9,8 @@ from playwright.sync_api import expect
 
 from app.demo.people import PASSWORD, THERAPIST
 from app.gateway import ServiceClient
-from tests.e2e.clinic_gateway import PACE, Gateway
 from tests.e2e.conftest import House, Visitor, apart
+from tests.e2e.sensors.clinic_gateway import PACE, Gateway
 from tests.e2e.test_pages import serious, settle
 
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]

@@ -19,7 +19,7 @@ from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from estimators.simulation.faults import LinkFaults, plan_delivery
-from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session
+from tests.benchmarks.estimation.bench_magnetic import PACKET_TICKS, RATE_HZ, session
 from tests.benchmarks.live.sockets import client_frame
 
 SHORTEST_S, REPEATED_S = 15.0, 60.0

@@ -1,0 +1,152 @@
+"""Walks with and without forces, and magnetic sources: the pooled engine and the general way give the same bits."""
+
+import asyncio
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import Engine
+
+from app.accounts.subject import Subject
+from app.database.unit_of_work import unit_of_work
+from app.kinds.magnetic.safety import confirm
+from app.kinds.magnetic.schemas import MagneticSafetyIn
+from app.limits import Limits
+from app.live import repository
+from app.live.bus import MemoryBus
+from app.live.manager import LiveManager
+from app.live.session.intake import Intake
+from app.live.warmup import warm_up
+from app.network.declaration import check_hello
+from app.recordings import service
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.settings import Allowance, Settings
+from estimators.orientation import DEFAULT
+from tests.app.live.engine.both_ways import Sender
+from tests.app.live.engine.test_both_ways import Pair
+from tests.benchmarks.live.parts import Part, magnetic, walks
+
+SECONDS = 14.0
+
+
+@pytest.fixture(autouse=True)
+def no_checks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks of the first seconds run in a process of their own, whenever it has time."""
+    monkeypatch.setattr("app.live.checks.first_seconds.CheckTurns.begin", lambda _: False)
+
+
+@pytest.fixture
+def manager(engine: Engine, settings: Settings) -> LiveManager:
+    # Loading may take longer than a session's gateway waits, where much else runs.
+    for pipeline in ("gait", "relative_pose"):
+        warm_up((pipeline, DEFAULT))
+    limits = Limits({"streams": Allowance(1000, 1000, 1000)})
+    return LiveManager(engine, GroupCommitWriter(engine), MemoryBus(), lambda _: None, limits=limits)
+
+
+async def opened(manager: LiveManager, subject: Subject, patient_id: str, part: Part) -> Intake:
+    wanted = part.wanted.model_copy(update={"patient_id": patient_id})
+    with unit_of_work(manager.engine) as session:
+        made = service.create(session, subject, wanted)
+    if wanted.pipeline == "relative_pose":
+        safe = MagneticSafetyIn(patient_has_no_implant=True, people_nearby_have_none=True)
+        with unit_of_work(manager.engine) as session:
+            confirm(session, subject, made.id, safe)
+    ticket, _ = repository.give_ticket(manager.engine, subject, made.id, "ingest")
+    hello = part.hello(ticket)
+    return await manager.open(hello, check_hello(hello))
+
+
+def shaken(packets: list[bytes], random: np.random.Generator) -> Iterator[bytes]:
+    """Packets as a bad link brings them: some lost, some late, some twice, some broken."""
+    sent: list[tuple[float, bytes]] = []
+    for number, data in enumerate(packets):
+        if random.random() < 0.01:
+            continue
+        if random.random() < 0.005:
+            data = data[:40] + bytes([data[40] ^ 1]) + data[41:]
+        late = int(random.integers(1, 6)) if random.random() < 0.02 else 0
+        sent.append((number + late, data))
+        if random.random() < 0.01:
+            sent.append((number + int(random.integers(0, 30)), data))
+    yield from (data for _, data in sorted(sent, key=lambda one: one[0]))
+
+
+def listened(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> list[list[Any]]:
+    """Events of both sessions from now on."""
+    heard: list[list[Any]] = [[], []]
+    for session, events in zip(pair.sessions, heard, strict=True):
+
+        def add(kind: str, at_s: float, *rest: Any, to: list[Any] = events, **more: Any) -> None:
+            to.append((kind, round(at_s, 6), rest, sorted(more.items())))
+
+        monkeypatch.setattr(session, "add_event", add)
+    return heard
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("make", [walks, magnetic], ids=["walk", "magnetic"])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_same_bits_on_a_bad_link(
+    manager: LiveManager,
+    world: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    make: Callable[[float], Part],
+    seed: int,
+) -> None:
+    async def run() -> tuple[int, int]:
+        part, random = make(SECONDS), np.random.default_rng(seed)
+        made = [await opened(manager, world.subjects["therapist"], world.patient_id, part) for _ in range(2)]
+        pair = Pair(Sender(made[0]), Sender(made[1]), manager, wants_frames=seed == 1)
+        heard = listened(pair, monkeypatch)
+        packets = list(part.packets)
+        if seed:
+            packets = list(shaken(packets, random))
+        pair.give(packets, random)
+        await pair.settle()
+        pair.compare()
+        assert heard[0] == heard[1]
+        orders = [one._orders for one in made]
+        assert (orders[0] is None) == (make is walks)
+        if orders[0] is not None and orders[1] is not None:
+            asked = [[queue.get_nowait() for _ in range(queue.qsize())] for queue in (orders[0], orders[1])]
+            assert asked[0] == asked[1]
+        return manager.pooled.ordinary, manager.pooled.rare
+
+    ordinary, rare = asyncio.run(run())
+    assert ordinary > 5 * rare
+
+
+def test_one_that_fails_leaves_its_neighbours_alone(manager: LiveManager, world: Any) -> None:
+    async def run() -> None:
+        part = walks(5.0)
+        made = [await opened(manager, world.subjects["therapist"], world.patient_id, part) for _ in range(2)]
+        pair = Pair(Sender(made[0]), Sender(made[1]), manager)
+        senders = [pair.general, pair.pooled]
+        broken, sound = pair.sessions
+
+        def give(packets: list[bytes]) -> None:
+            for number, data in enumerate(packets):
+                for sender in senders:
+                    manager.pooled.offer(sender, memoryview(data), 0, 100.0 + 0.05 * number, 0)
+                if number % 3 == 2:
+                    manager.pooled.turn()
+            manager.pooled.turn()
+
+        give(list(part.packets[:40]))
+        assert sound.lane is not None
+        assert sound.lane.pool is broken.lane.pool  # type: ignore[union-attr]
+
+        def fail(_: Any) -> Any:
+            raise FloatingPointError("a filter lost its way")
+
+        broken.pipeline.step = fail  # type: ignore[method-assign]
+        give(list(part.packets[40:80]))
+        assert not broken.line.is_running
+        assert broken.state == "failed"
+        assert sound.line.is_running
+        assert [len(one.ledger.received) for one in (broken, sound)] == [80, 80], "stored all the same"
+        assert sound.aligner.next_tick > broken.aligner.next_tick
+
+    asyncio.run(run())

@@ -1,0 +1,68 @@
+"""When turns are late, views go without; what is estimated and stored stays whole."""
+
+import asyncio
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import Engine
+
+from app.live.engine import turns
+from app.live.manager import LiveManager
+from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
+from tests.app.live.engine.test_both_ways import ARM, SECONDS, manager, no_checks, pair_of, stands, stored
+from tests.app.live.live_load import remember, swaying
+
+__all__ = ["manager", "no_checks"]
+"""Fixtures of the test of both ways."""
+TOGETHER = 4
+PLAIN = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
+
+
+def test_a_late_turn_shows_the_newest_and_stores_everything(
+    manager: LiveManager,
+    world: Any,
+    engine: Engine,
+) -> None:
+    async def run() -> None:
+        calibration, whole = swaying(SECONDS)
+        remember(engine, world.patient_id, calibration)
+        stream = worn(whole, ARM)
+        pair = await pair_of(manager, world, stream)
+        packets = packets_of(stream, PLAIN, np.random.default_rng(0))[:81]
+        pair.give(packets[:1], np.random.default_rng(0))
+        before = len(pair.frames[1].take())
+        at_s = 200.0
+        for number, data in enumerate(packets[1:]):
+            at_s += 0.05
+            pair.general.take_rare(data, at_s, int(1e9 * at_s))
+            offer(manager.pooled, pair.pooled, data, 0, at_s)
+            if number % TOGETHER == TOGETHER - 1:
+                manager.pooled.is_late = True
+                manager.pooled.turn()
+        await pair.settle()
+        one, other = pair.sessions
+        shown = [item.block for _, item in pair.frames[1].take()]
+        everything = [item.block for _, item in pair.frames[0].take()]
+        assert before == 1
+        assert len(shown) == len(packets[1:]) // TOGETHER == manager.pooled.unshown // (TOGETHER - 1)
+        assert [block[40:] for block in shown] == [block[40:] for block in everything[TOGETHER::TOGETHER]]
+        assert stands(one) == stands(other)
+        assert stored(manager, one) == stored(manager, other)
+
+    asyncio.run(run())
+
+
+def test_turns_are_late_until_one_works_half_as_long(
+    manager: LiveManager,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    engine, clock = manager.pooled, iter([0.0, 0.11, 1.0, 1.06, 2.0, 2.04])
+    monkeypatch.setattr(turns.time, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(engine, "_give", lambda received: None)
+    found = []
+    for _ in range(3):
+        engine._journal.received = [(None, 0, 0, 0, 0.0, 0)]  # type: ignore[list-item]
+        engine.turn()
+        found.append(engine.is_late)
+    assert found == [True, True, False]

@@ -1,0 +1,75 @@
+"""A walk over the real socket: feet followed while it is walked, and off-line when the gateway is done."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
+from app.recordings.schemas import SessionIn
+from estimators.pipelines import SessionSetup, analyse_walk
+from estimators.recording import Recording, SensorSignals
+
+FEET = Path(__file__).parents[3] / "data" / "feet"
+RATE_HZ, SECONDS = 204.8, 20.0
+
+SignedIn = Callable[..., Awaitable[ServiceClient]]
+
+
+@pytest.mark.slow
+def test_feet_are_followed_live_and_again_when_all_has_come(signed_in: SignedIn, world: Any) -> None:
+    content = np.load(FEET / "gaitmap_strides.npz")
+    ticks = int(SECONDS * RATE_HZ)
+    sensors = {
+        f"foot_{side}": SensorSignals(
+            np.arange(ticks) / RATE_HZ,
+            content[f"gyroscope_{side}_radps"][:ticks].astype(float),
+            content[f"accelerometer_{side}_mps2"][:ticks].astype(float),
+        )
+        for side in ("left", "right")
+    }
+    recording = Recording(sensors, RATE_HZ)
+    device = stream_of(recording)
+
+    async def run() -> None:
+        async with await signed_in() as service:
+            created = await service.create_session(
+                SessionIn(
+                    patient_id=world.patient_id,
+                    pipeline="gait",
+                    placements=["foot_left", "foot_right"],
+                    rate_hz=RATE_HZ,
+                )
+            )
+
+            async def record() -> None:
+                # Nothing is to be calibrated: connected means ready.
+                await service.wait_for_state(created.id, "ready", timeout_s=10.0)
+                await service.steer(created.id, "record")
+
+            gateway = GatewayClient(
+                service.ingest_url, partial(service.ticket, created.id), device.hello, pace=None
+            )
+            await gateway.run(device.deliveries(device.plan()), milestones=[Milestone(0.5, record)])
+            await service.wait_for_state(created.id, "analysed", timeout_s=60.0)
+            found = await service.session(created.id)
+            assert {result.kind for result in found.results} == {"live", "offline"}
+            walk = (await service.http.get(f"/api/sessions/{created.id}/gait")).json()
+            setup = SessionSetup("gait", ("foot_left", "foot_right"), RATE_HZ)
+            direct = analyse_walk(recording, setup)
+            for foot in walk["feet"]:
+                lengths = [stride["length_m"] for stride in foot["strides"]]
+                np.testing.assert_allclose(lengths, direct.strides[foot["side"]].length_m, atol=5e-3)
+            live = next(result.id for result in found.results if result.kind == "live")
+            none = await service.http.get(f"/api/sessions/{created.id}/gait", params={"result_id": live})
+            assert none.status_code == 409
+            frames = await service.http.get(
+                f"/api/sessions/{created.id}/frames", params={"result_id": live, "start_s": 0, "end_s": 20}
+            )
+            assert frames.is_success
+
+    asyncio.run(run())

@@ -1,0 +1,209 @@
+"""A patient measures without a gateway: a simulated arm goes through the real page into the real service."""
+
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from app.demo.people import PATIENTS
+from tests.e2e.conftest import Service, Visitor, apart, serving
+from tests.e2e.sensors import sensors_at_home as home
+from tests.e2e.sensors.broken_link import Relay, relaying
+
+pytestmark = [pytest.mark.e2e, pytest.mark.slow]
+
+ELEVATION = "thorax_humerus_right_yxy_elevation"
+MOVEMENT_S = 14.0
+BROKEN_S = 5.0
+
+
+@pytest.fixture(scope="module")
+def relay() -> Iterator[Relay]:
+    with relaying() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def service(relay: Relay, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with serving(tmp_path_factory.mktemp("home"), base_url=relay.address) as one:
+        relay.serve(one.address)
+        yield one
+
+
+@pytest.fixture(scope="module")
+def therapist(service: Service, relay: Relay) -> Iterator[httpx.Client]:
+    with home.therapist_at(relay.address) as client:
+        yield client
+
+
+@pytest.fixture
+def patient(chromium: Browser, relay: Relay, service: Service) -> Iterator[Visitor]:
+    context = chromium.new_context(reduced_motion="reduce")
+    context.add_init_script(home.EMULATED)
+    someone = Visitor(context.new_page(), relay.address)
+    someone.sign_in(PATIENTS[0].email)
+    someone.page.set_viewport_size({"width": 390, "height": 844})
+    yield someone
+    context.close()
+
+
+def exercise(page: Page, relay: Relay, moves_s: float, broken_s: float) -> None:
+    """Press what the page offers, as the patient does; break the link in the middle of the movement."""
+    page.get_by_role("button", name="I am standing still").click()
+    page.get_by_role("button", name="Go", exact=True).click()
+    expect(page.get_by_test_id("line")).to_be_visible()
+    status = page.locator(".sensor-status")
+    page.wait_for_timeout(1000 * (moves_s - broken_s) / 2)
+    relay.break_link()
+    expect(status).to_contain_text("will be sent later", timeout=8000)
+    page.wait_for_timeout(1000 * broken_s)
+    assert int(status.get_attribute("data-waiting") or 0) > 5 * broken_s
+    relay.mend()
+    expect(status).to_contain_text("Nothing waits on this device", timeout=20_000)
+
+
+def test_the_phone_stores_every_sample_once_over_a_broken_link(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right",), MOVEMENT_S)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.get_by_role("button", name="This phone").click()
+    patient.picture("phone-how-390")
+    page.evaluate("samples => emulatePhone({rateHz: 60, samples})", worn.samples[:, 0].round(7).tolist())
+    page.get_by_role("button", name="Measure with this phone").click()
+    exercise(page, relay, MOVEMENT_S, BROKEN_S)
+    patient.picture("phone-measuring-390")
+    page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
+    page.get_by_role("button", name="Stop", exact=True).click()
+    page.get_by_role("button", name="Finish for today").click()
+    expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+
+    first = int(page.evaluate("emulated.first"))
+    numbers, values = home.stored_samples(therapist, session_id)
+    emitted = numbers - first
+    # Each tick once and none left out, from when the phone's rate was known to the last but one event.
+    assert np.array_equal(emitted, np.arange(emitted[0], emitted[0] + emitted.size))
+    assert 55 <= emitted[0] <= 120
+    assert emitted[-1] >= len(worn.samples) - 2
+    np.testing.assert_allclose(values, worn.samples[emitted], atol=2e-4)
+
+    other = apart(home.stream_by_gateway(relay.address, worn, int(emitted[0]), home.STILL_S - 2.0))
+    by_phone, phone_rad = home.angles_of(therapist, session_id, ELEVATION)
+    by_gateway, gateway_rad = home.angles_of(therapist, other, ELEVATION)
+    _, mine, its = np.intersect1d(by_phone, by_gateway, return_indices=True)
+    difference_deg = np.rad2deg(np.abs(phone_rad[mine] - gateway_rad[its]))
+    truth_rad = worn.elevation_rad[emitted[0] + by_phone]
+    error_deg = np.rad2deg(np.sqrt(np.mean((phone_rad - truth_rad) ** 2)))
+    print(f"largest difference {difference_deg.max():.3f} deg, against truth {error_deg:.2f} deg rms")
+    assert difference_deg.max() < 0.3
+    assert error_deg < 3.0
+    assert patient.faults_outside_the_view() == []
+
+
+def test_bluetooth_sensors_store_every_sample_and_come_back(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right", "forearm_right"), MOVEMENT_S)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.evaluate("samples => emulateDots({rateHz: 60, samples})", worn.samples.round(7).tolist())
+    page.get_by_role("button", name="Bluetooth sensors").click()
+    for place in ("Right upper arm", "Right forearm"):
+        page.get_by_role("button", name=f"Connect: {place}").click()
+    status = page.locator(".sensor-status")
+    expect(status).to_contain_text("battery 83 %")
+    exercise(page, relay, MOVEMENT_S - 5.0, 3.0)
+    patient.picture("dots-measuring-390")
+    page.evaluate("emulated.dots[1].isAway = true; emulated.dots[1].leave()")
+    expect(status).to_contain_text("lost, is being looked for", timeout=3000)
+    patient.picture("dots-lost-390")
+    page.evaluate("emulated.dots[1].isAway = false")
+    expect(status).not_to_contain_text("lost", timeout=8000)
+    page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
+    page.get_by_role("button", name="Stop", exact=True).click()
+    page.get_by_role("button", name="Finish for today").click()
+    expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+
+    first = int(page.evaluate("emulated.first"))
+    numbers, values = home.stored_samples(therapist, session_id)
+    assert np.array_equal(numbers, np.arange(numbers[0], numbers[0] + numbers.size))
+    is_missing = (values == 0.0).all(axis=2)
+    assert not is_missing[20:, 0].any()
+    # Gone at most as long as it took to be found again, and nothing else is missing.
+    lost = np.flatnonzero(is_missing[20:, 1])
+    assert 0 < lost.size < 8.0 * home.RATE_HZ
+    assert lost[-1] - lost[0] + 1 == lost.size
+    # What is stored lies on the lines between the samples, later by the quickest message of each sensor.
+    ticks = np.arange(len(worn.samples))
+    for sensor in range(2):
+        shown = np.flatnonzero(~is_missing[:, sensor])[200:]
+        errors = [
+            np.abs(
+                np.interp(numbers[shown] - first - delay_ticks, ticks, worn.samples[:, sensor, 0])
+                - values[shown, sensor, 0]
+            )
+            for delay_ticks in np.arange(0.0, 3.0, 0.05)
+        ]
+        best = errors[int(np.argmin([np.median(one) for one in errors]))]
+        print(
+            f"sensor {sensor}: median error {np.median(best):.4f} rad/s, 99 % {np.quantile(best, 0.99):.4f}"
+        )
+        assert np.quantile(best, 0.99) < 0.05
+
+    offset = int(numbers[0] - first)
+    other = apart(home.stream_by_gateway(relay.address, worn, offset, home.STILL_S - 4.0))
+    by_page, page_rad = home.angles_of(therapist, session_id, ELEVATION)
+    by_gateway, gateway_rad = home.angles_of(therapist, other, ELEVATION)
+    _, mine, its = np.intersect1d(by_page, by_gateway, return_indices=True)
+    difference_deg = np.rad2deg(np.sqrt(np.mean((page_rad[mine] - gateway_rad[its]) ** 2)))
+    print(f"{ELEVATION}: {difference_deg:.2f} deg rms from the gateway's")
+    assert difference_deg < 0.5
+
+
+def test_a_page_that_is_loaded_again_without_a_link_has_lost_nothing(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right",), 60.0)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    assert page.evaluate("navigator.serviceWorker.ready.then(() => true)")
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.get_by_role("button", name="This phone").click()
+    page.evaluate("samples => emulatePhone({rateHz: 60, samples})", worn.samples[:, 0].round(7).tolist())
+    page.get_by_role("button", name="Measure with this phone").click()
+    expect(page.get_by_role("button", name="I am standing still")).to_be_visible()
+    relay.break_link()
+    expect(page.locator(".sensor-status")).to_contain_text("will be sent later", timeout=8000)
+    page.wait_for_timeout(3000)
+    first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
+    page.goto(relay.address)
+    # The client itself is there without a link; nothing of the patient is.
+    expect(page.locator("#root")).not_to_be_empty()
+    kept = page.evaluate(
+        "caches.keys().then(async names => (await Promise.all(names.map(async name =>"
+        " (await (await caches.open(name)).keys()).map(one => new URL(one.url).pathname)))).flat())"
+    )
+    assert kept
+    assert all(
+        path in {"/", "/mark.svg", "/manifest.webmanifest"} or path.startswith("/assets/") for path in kept
+    )
+    patient.picture("without-link-390")
+    relay.mend()
+    page.goto(relay.address)
+    expect(page.get_by_role("heading", level=1, name="Hello")).to_be_visible()
+    tries = 40
+    while page.evaluate(home.WAITING) > 0 and (tries := tries - 1):
+        page.wait_for_timeout(500)
+    assert page.evaluate(home.WAITING) == 0
+    expect(page.locator(".sensor-unsent")).to_have_count(0)
+    numbers, values = home.stored_samples(therapist, session_id)
+    sent = numbers - int(first)
+    assert np.array_equal(sent, np.arange(sent[0], sent[0] + sent.size))
+    # The packet that was being filled when the page went holds a tenth of a second at most.
+    assert sent[-1] >= int(emitted) - 8
+    np.testing.assert_allclose(values, worn.samples[sent], atol=2e-4)

@@ -1,0 +1,130 @@
+// The report of a course of therapy: rows with n, verdicts, words that are stored, first beside newest, the software's version.
+import { screen, waitFor, within } from '@testing-library/react';
+import userEvent from '@testing-library/user-event';
+import axe from 'axe-core';
+import { afterEach, describe, expect, it, vi } from 'vitest';
+import type { ProgressMeasure } from '../../../src/api/types';
+import { courseRows } from '../../../src/lib/assessment/course';
+import { CoursePage } from '../../../src/pages/report/CoursePage';
+import { renderPage } from '../render';
+
+afterEach(() => vi.unstubAllGlobals());
+
+const measure = (name: string, values: number[], change: Partial<ProgressMeasure> = {}): ProgressMeasure => ({
+  measure: name,
+  label: name,
+  unit: 'deg',
+  points: values.map((value, index) => ({
+    session_id: `s${index}`,
+    at: `2026-0${index + 1}-01T10:00:00Z`,
+    value,
+    low: value - 2,
+    high: value + 2,
+    count: 8,
+    orientation: 'telemotion 9',
+    template_version_id: null,
+    change: null,
+    is_real_change: null,
+  })),
+  change: null,
+  minimal_detectable_change: null,
+  is_real_change: null,
+  baseline_sessions: Math.min(values.length, 3),
+  bands: [],
+  ...change,
+});
+
+describe('rows of a course', () => {
+  it('begin with the main measure, then compensation, then what changed for sure', () => {
+    const rows = courseRows([
+      measure('range:a', [50, 54, 52, 64]),
+      measure('duration', [3, 3, 3, 3]),
+      measure('spectral', [1, 2, 3, 9], { is_real_change: true }),
+      measure('compensation:trunk', [9, 9, 9, 4]),
+      measure('empty', []),
+    ]);
+    expect(rows.map((row) => row.measure.measure)).toEqual(['range:a', 'compensation:trunk', 'spectral', 'duration']);
+    expect(rows[0]).toMatchObject({ baseline: 52, baselineSessions: 3, newest: 64, newestCount: 8, sessions: 4 });
+  });
+});
+
+const COURSE = '/api/patients/p/course?exercise_id=e';
+const answers = {
+  '/api/patients/p': { id: 'p', given_name: 'Ada', family_name: 'Berg', birth_date: null, may_treat: true },
+  [COURSE]: {
+    exercise_id: 'e',
+    exercise_name: 'Reach',
+    session_count: 4,
+    first_at: '2026-01-01T10:00:00Z',
+    last_at: '2026-04-01T10:00:00Z',
+    valid_repetitions: 32,
+    active_s: 300,
+    prescribed: ['10 repetitions, 3 times a week'],
+    adherence_percent: 75,
+    first_comparison_id: null,
+    last_comparison_id: null,
+    note: {
+      id: 'n',
+      exercise_id: 'e',
+      text: 'Reaches further.',
+      written_by: 'Ingrid',
+      created_at: '2026-04-02T10:00:00Z',
+    },
+    service_version: '1.2.3',
+  },
+  '/api/patients/p/progress?exercise_id=e': {
+    exercise_id: 'e',
+    measures: [
+      measure('Elbow range', [50, 54, 52, 64], {
+        change: 12,
+        minimal_detectable_change: 9.94,
+        is_real_change: true,
+      }),
+      measure('Duration', [3, 4]),
+    ],
+    events: [{ at: '2026-02-01T10:00:00Z', kind: 'pain', text: 'Stopped because it hurt' }],
+  },
+  'POST /api/patients/p/course-notes': { id: 'm' },
+};
+
+describe('the report of a course', () => {
+  it('says what was done, what changed and how many stand behind each number', async () => {
+    const view = renderPage(<CoursePage />, {
+      at: '/patients/p/report?exercise=e',
+      path: '/patients/:patientId/report',
+      answers,
+    });
+    const row = within(await screen.findByRole('row', { name: /Elbow range/ }));
+    expect(row.getByText('+12°, real')).toBeTruthy();
+    expect(row.getByText('n = 8')).toBeTruthy();
+    expect(row.getByText('10°')).toBeTruthy();
+    expect(screen.getByRole('row', { name: /Duration/ }).textContent).toContain('2 of 3 baseline sessions');
+    expect(screen.getByText('4 sessions, 32 valid repetitions, 5 min active')).toBeTruthy();
+    expect(screen.getByText('Reaches further.')).toBeTruthy();
+    expect(screen.getByText(/Stopped because it hurt/)).toBeTruthy();
+    expect(screen.getByText(/Telemotion 1\.2\.3/)).toBeTruthy();
+    const found = await axe.run(view.container, {
+      rules: { 'color-contrast': { enabled: false }, region: { enabled: false } },
+    });
+    expect(found.violations.map((one) => one.id)).toEqual([]);
+  });
+
+  it('stores the words of who treats', async () => {
+    const { asked } = renderPage(<CoursePage />, {
+      at: '/patients/p/report?exercise=e',
+      path: '/patients/:patientId/report',
+      answers,
+    });
+    await userEvent.click(await screen.findByRole('button', { name: 'Change' }));
+    const box = screen.getByRole('textbox', { name: /What you think/ });
+    await userEvent.clear(box);
+    await userEvent.type(box, 'Ready for the cup.');
+    await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+    await waitFor(() =>
+      expect(asked.find((one) => one.method === 'POST')).toMatchObject({
+        path: '/api/patients/p/course-notes',
+        body: { exercise_id: 'e', text: 'Ready for the cup.' },
+      }),
+    );
+  });
+});

@@ -1,0 +1,165 @@
+import { fireEvent, screen, waitFor, within } from '@testing-library/react';
+import userEvent from '@testing-library/user-event';
+import axe from 'axe-core';
+import { afterEach, expect, it, vi } from 'vitest';
+import type { PhaseCurve, TemplateDesign, TemplateVersionDetail } from '../../../src/api/types';
+import { EditTemplatePage } from '../../../src/pages/template/editor/EditTemplate';
+import { renderPage } from '../render';
+
+afterEach(() => vi.unstubAllGlobals());
+
+const MAIN = 'humerus_forearm_right_zxy_flexion';
+const LEAN = 'trunk_lean_forward_rad';
+const curve = (channel: string, label: string, top: number): PhaseCurve => {
+  const mean = Array.from({ length: 101 }, (_, at) => top * Math.sin((Math.PI * at) / 100));
+  return {
+    channel,
+    label,
+    unit: 'deg',
+    mean,
+    low: mean.map((value) => value - 10),
+    high: mean.map((value) => value + 10),
+    width: mean.map(() => 10),
+    is_judged: true,
+    repetitions: [mean],
+  };
+};
+const version: TemplateVersionDetail = {
+  id: 'v1',
+  number: 1,
+  created_at: '2026-11-20T10:00:00Z',
+  repetition_count: 5,
+  source_session_id: 's',
+  reason: '',
+  made_by: 'Ingrid Solberg',
+  template_id: 't',
+  exercise_id: 'e',
+  patient_id: null,
+  name: 'Reach',
+  side: 'right',
+  primary_channel: MAIN,
+  reach_m: 0.55,
+  design: {
+    stops: [{ kind: 'lost', hold_s: 2 }],
+    cues: [
+      { quantity: 'deviation', sentence: 'guidance.sit_tall', channel: LEAN, side: 'above', tolerance: 0.14 },
+      { quantity: 'slow', sentence: 'guidance.quicker', tolerance: 1.5 },
+    ],
+  },
+  content: {
+    duration_s: 3,
+    repetitions: [{ number: 1, start_s: 0, end_s: 3, is_kept: true, reason: '', sentences: {} }],
+    curves: [curve(MAIN, 'Elbow flexion', 60), curve(LEAN, 'Trunk forward lean', 8)],
+    movement_onset_phases: [],
+  },
+};
+const open = () =>
+  renderPage(<EditTemplatePage />, {
+    at: '/templates/versions/v1',
+    path: '/templates/versions/:versionId',
+    answers: {
+      '/api/template-versions/v1': version,
+      'POST /api/templates/t/versions': [201, { ...version, id: 'v2', number: 2 }],
+    },
+  });
+
+async function saved(view: ReturnType<typeof open>): Promise<TemplateDesign> {
+  await userEvent.type(screen.getByRole('textbox', { name: 'Why this version?' }), 'less lean');
+  await userEvent.click(screen.getByRole('button', { name: 'Save as version 2' }));
+  await waitFor(() => expect(view.asked.some((one) => one.method === 'POST')).toBe(true));
+  const body = view.asked.find((one) => one.method === 'POST')?.body as { design: TemplateDesign; based_on: string };
+  expect(body).toMatchObject({ based_on: 'v1', reason: 'less lean' });
+  return body.design;
+}
+
+it('draws a band on one phase with keys alone', async () => {
+  const view = open();
+  await userEvent.click(await screen.findByRole('button', { name: 'Suggest phases' }));
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Name of phase 2' }).value).toBe('Hold');
+  const border = screen.getByRole('slider', { name: 'End of “Way out”, start of “Hold”' });
+  expect(border.getAttribute('aria-valuenow')).toBe('36');
+  border.focus();
+  await userEvent.keyboard('{ArrowLeft}{ArrowLeft}{Shift>}{ArrowLeft}{/Shift}');
+  expect(border.getAttribute('aria-valuenow')).toBe('29');
+
+  await userEvent.click(screen.getByRole('button', { name: /^Trunk forward lean/ }));
+  const upper = screen.getByRole('slider', { name: 'Way out: upper limit' });
+  upper.focus();
+  await userEvent.keyboard('{ArrowDown}{ArrowDown}{ArrowDown}');
+  expect(upper.getAttribute('aria-valuetext')).toMatch(/7° above the curve/);
+  const lower = screen.getByRole('slider', { name: 'Way back: lower limit' });
+  lower.focus();
+  await userEvent.keyboard('f');
+  expect(lower.getAttribute('aria-valuetext')).toBe('free');
+  await userEvent.keyboard('f');
+  expect(lower.getAttribute('aria-valuetext')).toMatch(/10° below/);
+
+  const design = await saved(view);
+  expect(design.phases?.map((one) => [one.name, one.start, one.end])).toEqual([
+    ['Way out', 0, 0.29],
+    ['Hold', 0.29, 0.64],
+    ['Way back', 0.64, 1],
+  ]);
+  expect(design.tolerances).toHaveLength(1);
+  expect(design.tolerances?.[0]?.channel).toBe(LEAN);
+  expect(design.tolerances?.[0]?.knots.map((one) => one.above)).toEqual([0.7, 0.7, 1, 1, 1, 1]);
+});
+
+/** jsdom has no pointer events with places. */
+const point = (element: Element, what: 'down' | 'move' | 'up', clientY: number) =>
+  fireEvent(element, new MouseEvent(`pointer${what}`, { clientX: 10, clientY, bubbles: true, cancelable: true }));
+
+it('draws with a pointer, and past the rim is free', async () => {
+  const view = open();
+  const grip = await screen.findByRole('slider', { name: 'Whole movement: upper limit' });
+  const before = grip.getAttribute('transform');
+  point(grip, 'down', 100);
+  point(grip, 'move', 60);
+  point(grip, 'up', 0);
+  expect(grip.getAttribute('transform')).not.toBe(before);
+  point(grip, 'move', 300);
+  expect(Number(/ (.*)\)/.exec(grip.getAttribute('transform') ?? '')?.[1])).toBeCloseTo(60, 0);
+  point(grip, 'down', 60);
+  point(grip, 'move', -50);
+  point(grip, 'up', 0);
+  expect((await saved(view)).tolerances?.[0]?.knots[0]).toEqual({ phase: 0, below: 1, above: null });
+});
+
+it('says what counts, what stops and what is said', async () => {
+  const view = open();
+  await userEvent.click(await screen.findByRole('switch', { name: 'Trunk forward lean counts' }));
+  expect(screen.getByText('Only watched: shown, never called wrong')).toBeTruthy();
+  const stops = within(screen.getByRole('region', { name: 'What stops the exercise' }));
+  await userEvent.click(stops.getByRole('button', { name: 'Add a limit' }));
+  await userEvent.click(stops.getByRole('switch', { name: 'Stop after this many minutes' }));
+  const cues = within(screen.getByRole('region', { name: 'What is said' }));
+  expect(cues.getByText('When trunk forward lean is more than 8° too large')).toBeTruthy();
+  await userEvent.type(cues.getByRole('textbox', { name: /Words to say when trunk/ }), 'Back to the chair');
+  await userEvent.click(cues.getByRole('switch', { name: 'On: A bit quicker.' }));
+  await userEvent.click(cues.getByRole('button', { name: 'Add a cue' }));
+  await userEvent.type(cues.getByRole('textbox', { name: 'Say' }), 'Straighten the elbow');
+  await userEvent.click(cues.getByRole('button', { name: 'Add a cue' }));
+
+  const design = await saved(view);
+  expect(design.watched).toEqual([LEAN]);
+  expect(design.stops).toEqual([
+    { kind: 'limit', channel: MAIN, limit: Math.PI / 2, side: 'above', hold_s: 0.05 },
+    { kind: 'lost', hold_s: 2 },
+    { kind: 'time', limit: 300, hold_s: 0 },
+  ]);
+  expect(design.cues?.map((one) => [one.words, one.is_on, one.channel])).toEqual([
+    ['Back to the chair', undefined, LEAN],
+    [undefined, false, undefined],
+    ['Straighten the elbow', true, MAIN],
+  ]);
+});
+
+it('can be read and used by everybody', async () => {
+  const view = open();
+  await userEvent.click(await screen.findByRole('button', { name: 'Suggest phases' }));
+  await userEvent.click(screen.getByRole('button', { name: 'Add a limit' }));
+  const rules = { 'color-contrast': { enabled: false }, region: { enabled: false } };
+  const found = await axe.run(view.container, { rules });
+  expect(found.violations.map((one) => `${one.id}: ${one.nodes[0]?.html}`)).toEqual([]);
+  expect(screen.getByRole('button', { name: 'Save as version 2' }).getAttribute('disabled')).not.toBe(null);
+});

@@ -1,0 +1,67 @@
+// Progress: too few sessions are said with their number, the other side and norms with their source.
+import { render, screen } from '@testing-library/react';
+import axe from 'axe-core';
+import { describe, expect, it } from 'vitest';
+import type { ProgressMeasure } from '../../../src/api/types';
+import { BandLegend, symmetryText, verdictOf } from '../../../src/charts/ProgressChart';
+
+const measure = (change: Partial<ProgressMeasure>): ProgressMeasure => ({
+  measure: 'range:a',
+  label: 'Elbow flexion, range of motion',
+  unit: 'deg',
+  points: [],
+  change: null,
+  minimal_detectable_change: null,
+  is_real_change: null,
+  baseline_sessions: 3,
+  bands: [],
+  ...change,
+});
+
+describe('the verdict on a change', () => {
+  it('says how many baseline sessions there are while there are too few', () => {
+    expect(verdictOf(measure({ baseline_sessions: 2 }))).toMatch(/^Too few sessions .*: 2 of 3 for the baseline/);
+    expect(verdictOf(measure({}))).toMatch(/^Not enough sessions/);
+  });
+  it('judges by the minimal detectable change', () => {
+    const judged = (isReal: boolean) =>
+      verdictOf(measure({ change: 12, minimal_detectable_change: 9.9, is_real_change: isReal }));
+    expect(judged(true)).toBe(
+      '+12° against the first three sessions: a real change, larger than the minimal detectable change of 10°.',
+    );
+    expect(judged(false)).toContain('not more than the minimal detectable change of 10°');
+  });
+});
+
+describe('the other side', () => {
+  it('is less or more only beyond twice the uncertainty', () => {
+    expect(symmetryText(Math.log(0.8), 0.02, -7.04)).toBe('The affected side is 20 % ± 2 less (symmetry angle −7.0 %)');
+    expect(symmetryText(Math.log(1.1), 0.02, 3)).toContain('10 % ± 2 more');
+    expect(symmetryText(Math.log(0.97), 0.02, -1)).toMatch(/^Both sides alike within the uncertainty/);
+  });
+  it('and norms stand below the curve with their source', async () => {
+    const { container } = render(
+      <BandLegend
+        unit="deg"
+        bands={[
+          {
+            kind: 'other_side',
+            low: 48,
+            high: 52,
+            text: 'Other side (left), newest session, mean of 8',
+            value: 50,
+            symmetry_ratio: Math.log(0.8),
+            symmetry_ratio_sigma: 0.02,
+            symmetry_angle_percent: -7.04,
+          },
+          { kind: 'norm', low: 60, high: 70, text: 'Healthy people of 60 to 69 years (Somebody 2006)' },
+        ]}
+      />,
+    );
+    const [other, norm] = screen.getAllByRole('listitem');
+    expect(other?.textContent).toContain('mean of 8: 48° – 52°. The affected side is 20 % ± 2 less');
+    expect(norm?.textContent).toContain('(Somebody 2006): 60° – 70°');
+    const found = await axe.run(container, { rules: { 'color-contrast': { enabled: false } } });
+    expect(found.violations.map((one) => one.id)).toEqual([]);
+  });
+});

@@ -1,0 +1,127 @@
+import { render } from '@testing-library/react';
+import { describe, expect, it } from 'vitest';
+import type { MeasureValue } from '../../../src/api/types';
+import { joined, PaperPhases, pathOf } from '../../../src/charts/PaperChart';
+import { niceTicks } from '../../../src/charts/scales';
+import { reportRows } from '../../../src/lib/assessment/report';
+import { verdict, verdictText } from '../../../src/pages/report/SummarySheet';
+
+const measure = (name: string, group: string, value: number | null = 1): MeasureValue => ({
+  measure: name,
+  label: name,
+  value,
+  unit: 'rad',
+  uncertainty: null,
+  count: 3,
+  template_value: null,
+  group,
+});
+
+describe('rows of the report', () => {
+  it('takes of each group before it takes more of one, and leaves out what is not known', () => {
+    const summary = [
+      measure('range:a', 'range'),
+      measure('range:b', 'range'),
+      measure('range:c', 'range'),
+      measure('duration', 'timing'),
+      measure('sparc', 'smoothness', null),
+      measure('lean', 'compensation'),
+    ];
+    const rows = reportRows(summary, [], 4);
+    expect(rows.map((row) => row.value.measure)).toEqual(['range:a', 'range:b', 'duration', 'lean']);
+  });
+  it('puts the progress of a measure beside it', () => {
+    const over = {
+      measure: 'duration',
+      label: '',
+      unit: 's',
+      points: [],
+      change: 1,
+      minimal_detectable_change: 0.5,
+      is_real_change: true,
+      baseline_sessions: 3,
+      bands: [],
+    };
+    expect(reportRows([measure('duration', 'timing')], [over])[0]?.progress).toBe(over);
+  });
+});
+
+describe('charts for paper', () => {
+  it('have round ticks that span the range', () => {
+    expect(niceTicks(37, 61, 4)).toEqual([30, 40, 50, 60, 70]);
+    expect(niceTicks(-0.3, 0.3, 4)).toEqual([-0.4, -0.2, 0, 0.2, 0.4]);
+    expect(niceTicks(5, 5, 4)).toEqual([5]);
+  });
+  it('leave gaps where nothing is known', () => {
+    expect(
+      pathOf(
+        [1, 2, null, 3],
+        (index) => index,
+        (value) => value,
+      ),
+    ).toBe('M0.0 1.0L1.0 2.0M3.0 3.0');
+  });
+});
+
+describe('what changed', () => {
+  const point = (session_id: string, change: number | null, is_real_change: boolean | null) => ({
+    session_id,
+    at: '2026-11-01T10:00:00Z',
+    value: 50,
+    low: 49,
+    high: 51,
+    count: 5,
+    orientation: '',
+    template_version_id: null,
+    change,
+    is_real_change,
+  });
+  const over = (points: ReturnType<typeof point>[]) => ({
+    measure: 'inside_band',
+    label: '',
+    unit: '%',
+    points,
+    change: 28,
+    minimal_detectable_change: 12,
+    is_real_change: true,
+    baseline_sessions: 3,
+    bands: [],
+  });
+  const four = over([point('a', null, null), point('b', null, null), point('c', null, null), point('d', 28, true)]);
+
+  it('is said of the session that is reported, in percentage points', () => {
+    expect(verdict(four, 'd')).toBe('+28 percentage points, a real change');
+    expect(verdictText(four, 'd')).toMatch(
+      /^\+28 percentage points against the first three sessions: a real change, larger than the minimal detectable change of 12 percentage points/,
+    );
+    expect(verdict(four, 'a')).toBe('one of the first three');
+  });
+  it('is not judged from two walks', () => {
+    const two = over([point('a', null, null), point('d', null, null)]);
+    expect(verdictText({ ...two, change: null, is_real_change: null }, 'd')).toMatch(/^Not enough sessions to tell/);
+  });
+});
+
+describe('on paper', () => {
+  it('marks what is outside the band by colour, thickness and a bar with ends', () => {
+    const flat = Array.from({ length: 101 }, () => 0);
+    const curve = {
+      channel: 'trunk_lean_forward_rad',
+      label: 'Trunk lean',
+      unit: 'rad',
+      mean: flat,
+      low: flat.map(() => -0.05),
+      high: flat.map(() => 0.05),
+      repetitions: [flat.map((_, phase) => (phase > 40 && phase < 60 ? 0.1 : 0)), flat],
+    };
+    const outside = [
+      { repetition: 0, number: 1, from: 41, until: 60 },
+      { repetition: 1, number: 2, from: 55, until: 70 },
+    ];
+    const { container } = render(<PaperPhases curve={curve} left={new Set()} outside={outside} />);
+    expect(container.querySelectorAll('.paper-outside')).toHaveLength(2);
+    // Two stretches that overlap are one bar.
+    expect(container.querySelectorAll('.paper-outside-bar')).toHaveLength(1);
+    expect(joined(outside)).toEqual([{ from: 41, until: 70 }]);
+  });
+});
