@@ -77,7 +77,8 @@ class Unpacker:
         x["width"] = 3 * self.channel_count + sum(spec.width for spec in carried)
         columns = [self._scales.get(spec.name, 1.0) for spec in carried for _ in range(spec.width)]
         x["carried_scale"][: len(columns)] = columns
-        x["countable"] = bool(np.isfinite(scales[: self.channel_count]).all())
+        is_declared = all(spec.name in self._scales for spec in carried)
+        x["countable"] = is_declared and bool(np.isfinite(scales[: self.channel_count]).all())
         x["stuck_ticks"], x["scale"], x["count_clip"] = self._stuck_ticks, scales, count_clips
         x["clip"] = self._of_encoding[FLOAT32][1]
 

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,12 @@ from app.live.manager import LiveManager
 from app.live.session.intake import Intake
 from app.live.warmup import warm_up
 from app.network.declaration import check_hello
+from app.network.messages import HelloMessage
+from app.network.packet import decode_packet, encode_packet
 from app.recordings import service
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
+from estimators.channels import CHANNELS
 from estimators.orientation import DEFAULT
 from tests.app.live.engine.both_ways import Sender
 from tests.app.live.engine.test_both_ways import Pair
@@ -116,6 +120,42 @@ def test_the_same_bits_on_a_bad_link(
 
     ordinary, rare = asyncio.run(run())
     assert ordinary > 5 * rare
+
+
+def as_floats(data: bytes, hello: HelloMessage) -> bytes:
+    """A packet of counts with the same values as float32."""
+    packet = decode_packet(data)
+    scales = [getattr(hello, f"{spec.name}_scale") for spec in CHANNELS if packet.channels & spec.bit]
+    widths = [spec.width for spec in CHANNELS if packet.channels & spec.bit]
+    return encode_packet(
+        (packet.values * np.repeat(scales, widths)).astype("<f4"),
+        sequence=packet.sequence,
+        device_time_us=packet.device_time_us,
+        tick_interval_us=packet.tick_interval_us,
+        channels=packet.channels,
+    )
+
+
+def test_counts_of_forces_that_nobody_scaled_are_refused(manager: LiveManager, world: Any) -> None:
+    async def run() -> None:
+        part = walks(4.0)
+        whole = part.hello("")
+
+        def hello(ticket: str) -> HelloMessage:
+            return part.hello(ticket).model_copy(update={"force_scale": None})
+
+        unscaled = replace(part, hello=hello)
+        made = [
+            await opened(manager, world.subjects["therapist"], world.patient_id, unscaled) for _ in range(2)
+        ]
+        pair = Pair(Sender(made[0]), Sender(made[1]), manager)
+        pair.give([as_floats(data, whole) for data in part.packets[:40]], np.random.default_rng(0))
+        pair.give(list(part.packets[40:60]), np.random.default_rng(1))
+        await pair.settle()
+        assert pair.general.refused == ["undeclared_scale"] * 20
+        pair.compare()
+
+    asyncio.run(run())
 
 
 def test_one_that_fails_leaves_its_neighbours_alone(manager: LiveManager, world: Any) -> None:
