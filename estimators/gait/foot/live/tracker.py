@@ -1,7 +1,7 @@
 """Where feet are, live: with a delay below one second, smoothed over the last moments."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -136,7 +136,7 @@ class FootTracker:
 
     def released(self, chunk: ImuChunk) -> Released:
         """Take the next ticks as `update`; returns values, shape (S, K, COLUMNS), and flags, shape (S, K)."""
-        chunk = self._guard.accept(chunk)
+        chunk = _as_compiled(self._guard.accept(chunk))
         if self._first_tick < 0:
             self._first_tick = chunk.first_tick
         if chunk.tick_count <= PIECE_TICKS:
@@ -239,6 +239,24 @@ class FootTracker:
             stream.restore(own)
         self._guard.memory = copied(state, "screen", self._guard.memory)
         self._guard.next_tick, self._first_tick = int(state["ticks"][0]), int(state["ticks"][1])
+
+
+def _as_compiled(chunk: ImuChunk) -> ImuChunk:
+    """Return the chunk in the numbers that compiled code takes; nearly every one has them."""
+    gyroscope, force, field = chunk.gyroscope_radps, chunk.accelerometer_mps2, chunk.magnetometer_t
+    if (
+        gyroscope.dtype == force.dtype == np.float64
+        and (field is None or field.dtype == np.float64)
+        and chunk.quality.dtype == np.uint8
+    ):
+        return chunk
+    return replace(
+        chunk,
+        gyroscope_radps=gyroscope.astype(np.float64),
+        accelerometer_mps2=force.astype(np.float64),
+        magnetometer_t=None if field is None else field.astype(np.float64),
+        quality=chunk.quality.astype(np.uint8),
+    )
 
 
 __all__ = ["FootChunk", "FootTracker"]

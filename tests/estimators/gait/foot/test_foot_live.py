@@ -94,6 +94,21 @@ def test_restored_goes_on_alike(batch, tick):
     assert_same_bits(batch, run(chunk(), itertools.repeat(7), stop_at=tick))
 
 
+def test_readings_of_half_the_width_are_taken_as_they_are():
+    given = chunk()
+    assert given.magnetometer_t is not None
+    halves = [
+        values.astype(np.float32)
+        for values in (given.gyroscope_radps, given.accelerometer_mps2, given.magnetometer_t)
+    ]
+    quality = given.quality.astype(np.int64)
+    narrow = ImuChunk(given.first_tick, STEP_S, *halves, quality)
+    wide = ImuChunk(given.first_tick, STEP_S, *(half.astype(np.float64) for half in halves), given.quality)
+    found, expected = (gather([FootTracker(2, STEP_S).update(one)]) for one in (narrow, wide))
+    for name in FIELDS:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
 def test_every_tick_is_released_once_and_in_time():
     whole, tracker = chunk(), FootTracker(2, STEP_S)
     assert tracker.delay_ticks * STEP_S < 1.0
