@@ -354,7 +354,7 @@ class Aligner:
     ) -> ImuChunk:
         return ImuChunk(
             first,
-            self._step_us * 1e-6,
+            self._declaration.time_step_s,
             signals[0],
             signals[1],
             signals[2] if signals.shape[0] == 3 else None,

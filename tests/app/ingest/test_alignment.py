@@ -82,6 +82,12 @@ def test_packets_in_order_come_out_at_once_in_si_units() -> None:
     assert not chunk.quality.any()
 
 
+def test_the_step_is_that_of_the_declaration_to_the_last_bit() -> None:
+    slower = replace(NETWORK, rate_hz=104.0)
+    chunk, _, _ = live([packet(i, START_US + 48_077 * i, interval_us=9_615) for i in range(4)], slower)
+    assert chunk.time_step_s == slower.time_step_s
+
+
 def test_reordered_and_repeated_packets_change_nothing() -> None:
     whole = [packet(i) for i in range(12)]
     order = [0, 1, 3, 2, 2, 4, 7, 5, 6, 6, 0, 8, 9, 11, 10]
