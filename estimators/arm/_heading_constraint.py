@@ -21,7 +21,20 @@ from typing import Any, Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.arm._heading_kernel import MEMORY, PARAMETERS, STATES, Carried, Corrections, constrain
+from estimators.arm._heading_kernel import (
+    CHILD_TILT,
+    CONSTANT,
+    DRIFT,
+    INITIAL,
+    MEMORY,
+    PARAMETERS,
+    PARENT_TILT,
+    POSTURE,
+    STATES,
+    Carried,
+    Corrections,
+    constrain,
+)
 from estimators.errors import SetupError, ShapeError
 
 Float = NDArray[np.float64]
@@ -170,8 +183,8 @@ class JointHeadingConstraint:
         self._covariance = np.zeros((count, STATES, STATES))
         self._last_relative = np.full((count, 4), np.nan)
         self._memory = np.zeros((count, MEMORY))
-        # Places of initial, drift, constant, parent's tilt twice, child's twice, posture in the row.
-        for state, parameter in enumerate((0, 1, 6, 7, 7, 8, 8, 9)):
+        spreads = (INITIAL, DRIFT, CONSTANT, PARENT_TILT, PARENT_TILT, CHILD_TILT, CHILD_TILT, POSTURE)
+        for state, parameter in enumerate(spreads):
             self._covariance[:, state, state] = np.square(self._parameters[:, parameter])
 
     def update(

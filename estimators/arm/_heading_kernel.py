@@ -29,7 +29,8 @@ Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
 Flags = NDArray[np.uint8]
 
-STATES = 8
+OFFSET_STATE, DRIFT_STATE, CONSTANT_STATE = 0, 1, 2
+PARENT_TILT_STATES, CHILD_TILT_STATES, POSTURE_STATE, STATES = 3, 5, 7, 8
 (
     INITIAL, DRIFT, DRIFT_TIME, WALK, TRAVEL_WALK, GAP_WALK, CONSTANT, PARENT_TILT, CHILD_TILT,
     POSTURE, POSTURE_TRAVEL, POSTURE_TIME, NOISE, LEAST_SENSITIVITY, REFERENCE, REFERENCE_TIME,
@@ -65,20 +66,21 @@ def predict_constraint(
     """Return the constraint's value at the states `x` and fill its derivatives `row` (8,)."""
     u1, u2, v1, v2 = (u + 1) % 3, (u + 2) % 3, (v + 1) % 3, (v + 2) % 3
     value, slope = _between(parent, child, offset, u, v)
-    row[0] = slope
-    row[1] = 0.0
-    row[2] = 1.0
-    row[3], slope = _between(parent, child, offset, u1, v)
-    row[0] += x[3] * slope
-    row[4], slope = _between(parent, child, offset, u2, v)
-    row[0] += x[4] * slope
-    row[5], slope = _between(parent, child, offset, u, v1)
-    row[0] += x[5] * slope
-    row[6], slope = _between(parent, child, offset, u, v2)
-    row[0] += x[6] * slope
-    row[7] = 1.0
-    tilts = x[3] * row[3] + x[4] * row[4] + x[5] * row[5] + x[6] * row[6]
-    return float(value + tilts + x[2] + x[7])
+    first, second = PARENT_TILT_STATES, PARENT_TILT_STATES + 1
+    third, fourth = CHILD_TILT_STATES, CHILD_TILT_STATES + 1
+    row[OFFSET_STATE] = slope
+    row[DRIFT_STATE] = 0.0
+    row[CONSTANT_STATE] = row[POSTURE_STATE] = 1.0
+    row[first], slope = _between(parent, child, offset, u1, v)
+    row[OFFSET_STATE] += x[first] * slope
+    row[second], slope = _between(parent, child, offset, u2, v)
+    row[OFFSET_STATE] += x[second] * slope
+    row[third], slope = _between(parent, child, offset, u, v1)
+    row[OFFSET_STATE] += x[third] * slope
+    row[fourth], slope = _between(parent, child, offset, u, v2)
+    row[OFFSET_STATE] += x[fourth] * slope
+    tilts = x[first] * row[first] + x[second] * row[second] + x[third] * row[third] + x[fourth] * row[fourth]
+    return float(value + tilts + x[CONSTANT_STATE] + x[POSTURE_STATE])
 
 
 @kernel("f8(f8[::1], f8[::1])")
@@ -100,16 +102,16 @@ def _travelled(relative: Float, last: Float) -> float:
 def _predict(p: Float, x: Float, par: Float, interval: float) -> None:
     """Let the offset drift for one interval."""
     keep = math.exp(-interval / par[DRIFT_TIME])
-    x[0] += interval * x[1]
-    x[1] *= keep
+    x[OFFSET_STATE] += interval * x[DRIFT_STATE]
+    x[DRIFT_STATE] *= keep
     for i in range(STATES):
-        p[0, i] += interval * p[1, i]
-        p[1, i] *= keep
+        p[OFFSET_STATE, i] += interval * p[DRIFT_STATE, i]
+        p[DRIFT_STATE, i] *= keep
     for i in range(STATES):
-        p[i, 0] += interval * p[i, 1]
-        p[i, 1] *= keep
-    p[1, 1] += par[DRIFT] ** 2 * (1.0 - keep * keep)
-    p[0, 0] += par[WALK] ** 2 * interval
+        p[i, OFFSET_STATE] += interval * p[i, DRIFT_STATE]
+        p[i, DRIFT_STATE] *= keep
+    p[DRIFT_STATE, DRIFT_STATE] += par[DRIFT] ** 2 * (1.0 - keep * keep)
+    p[OFFSET_STATE, OFFSET_STATE] += par[WALK] ** 2 * interval
 
 
 @kernel("f8(f8[:, ::1], f8[::1], f8[::1], f8, f8, b1)")
@@ -133,8 +135,8 @@ def _correct(p: Float, x: Float, row: Float, value: float, noise: float, is_sens
         total = grown
     gain = spread / total
     if not is_sensitive:
-        gain[0] = 0.0
-        gain[1] = 0.0
+        gain[OFFSET_STATE] = 0.0
+        gain[DRIFT_STATE] = 0.0
     for i in range(STATES):
         x[i] -= gain[i] * value
     # P - K s' - s K' + K S K'
@@ -148,22 +150,22 @@ def _correct(p: Float, x: Float, row: Float, value: float, noise: float, is_sens
 @step()
 def _forget_posture(p: Float, x: Float, keep: float) -> None:
     """Let the posture go by the factor `keep`."""
-    x[7] *= keep
+    x[POSTURE_STATE] *= keep
     for i in range(STATES):
-        p[7, i] *= keep
+        p[POSTURE_STATE, i] *= keep
     for i in range(STATES):
-        p[i, 7] *= keep
+        p[i, POSTURE_STATE] *= keep
 
 
 @step()
 def _bound(p: Float) -> None:
     """Let the heading be known no worse than one about which nothing is known."""
-    if p[0, 0] > _UNKNOWN_VARIANCE:
-        shrink = math.sqrt(_UNKNOWN_VARIANCE / p[0, 0])
+    if p[OFFSET_STATE, OFFSET_STATE] > _UNKNOWN_VARIANCE:
+        shrink = math.sqrt(_UNKNOWN_VARIANCE / p[OFFSET_STATE, OFFSET_STATE])
         for i in range(STATES):
-            p[0, i] *= shrink
+            p[OFFSET_STATE, i] *= shrink
         for i in range(STATES):
-            p[i, 0] *= shrink
+            p[i, OFFSET_STATE] *= shrink
 
 
 @step()
@@ -186,13 +188,13 @@ def _measure(
     travel = _travelled(relative, last)
     keep = math.exp(-travel / par[POSTURE_TRAVEL] - interval / par[POSTURE_TIME])
     _forget_posture(p, x, keep)
-    p[7, 7] += par[POSTURE] ** 2 * (1.0 - keep * keep)
-    p[0, 0] += par[TRAVEL_WALK] ** 2 * travel
+    p[POSTURE_STATE, POSTURE_STATE] += par[POSTURE] ** 2 * (1.0 - keep * keep)
+    p[OFFSET_STATE, OFFSET_STATE] += par[TRAVEL_WALK] ** 2 * travel
     matrix_of(a, parent)
     matrix_of(b, child)
     row = np.empty(STATES)
-    value = predict_constraint(parent, child, x[0], axes[0], axes[1], x, row)
-    is_sensitive = abs(row[0]) >= par[LEAST_SENSITIVITY]
+    value = predict_constraint(parent, child, x[OFFSET_STATE], axes[0], axes[1], x, row)
+    is_sensitive = abs(row[OFFSET_STATE]) >= par[LEAST_SENSITIVITY]
     _correct(p, x, row, value, par[NOISE] ** 2, is_sensitive)
     memory[INFORMED] = 1.0 if is_sensitive else 0.0
     memory[RESIDUAL] = value
@@ -202,8 +204,8 @@ def _measure(
 def _draw_to_zero(par: Float, interval: float, x: Float, p: Float) -> None:
     """Measure that both magnetometers, which are trusted, share one heading."""
     alone = np.zeros(STATES)
-    alone[0] = 1.0
-    _correct(p, x, alone, x[0], par[REFERENCE] ** 2 * par[REFERENCE_TIME] / interval, True)
+    alone[OFFSET_STATE] = 1.0
+    _correct(p, x, alone, x[OFFSET_STATE], par[REFERENCE] ** 2 * par[REFERENCE_TIME] / interval, True)
 
 
 class Carried(NamedTuple):
@@ -267,14 +269,14 @@ def constrain(
                     if referenced[k, j]:
                         _draw_to_zero(par, interval, x, p)
                 else:
-                    p[0, 0] += par[GAP_WALK] ** 2 * interval
+                    p[OFFSET_STATE, OFFSET_STATE] += par[GAP_WALK] ** 2 * interval
                 _bound(p)
-            lag = (1.0 - slew_keep) * (x[0] - memory[APPLIED])
+            lag = (1.0 - slew_keep) * (x[OFFSET_STATE] - memory[APPLIED])
             most = par[SLEW_RATE] * step_s
             memory[APPLIED] += min(max(lag, -most), most)
-            behind = x[0] - memory[APPLIED]
-            out.offset_rad[k, j] = x[0]
+            behind = x[OFFSET_STATE] - memory[APPLIED]
+            out.offset_rad[k, j] = x[OFFSET_STATE]
             out.correction_rad[k, j] = memory[APPLIED]
-            out.sigma_rad[k, j] = math.sqrt(p[0, 0] + behind * behind + par[FLOOR] ** 2)
+            out.sigma_rad[k, j] = math.sqrt(p[OFFSET_STATE, OFFSET_STATE] + behind * behind + par[FLOOR] ** 2)
             out.is_informed[k, j] = np.uint8(memory[INFORMED])
             out.residual_rad[k, j] = memory[RESIDUAL]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from estimators._kernels import Scalars3
 from estimators.arm._angle_kernel import first_axes, hinge, matrix_of, relative_of, shoulder, sigmas
+from estimators.arm._names import MODEL_POINTS, MODEL_SCALARS, MODEL_SEGMENTS
 from estimators.compiling import compiled
 from estimators.kernels import VOID, borrowing, bundle
 
@@ -21,6 +22,22 @@ Integer = NDArray[np.int64]
 Flags = NDArray[np.uint8]
 
 _SINGULAR = np.uint8(128)  # OrientationFlag.SINGULAR
+_THORAX, _HEAD, _FIRST_CLAVICLE = (
+    MODEL_SEGMENTS.index(name) for name in ("sternum", "head", "shoulder_left")
+)
+_PELVIS, _NECK, _HEAD_POINT, _FIRST_SHOULDER, _FIRST_HAND = (
+    MODEL_POINTS.index(name) for name in ("pelvis", "neck", "head", "shoulder_left", "hand_left")
+)
+_PER_ARM = 4
+"""Segments of an arm, clavicle to hand, and points, shoulder to hand: each begins at the joint before its end."""
+_POINTS = len(MODEL_POINTS)
+_LEAN_FORWARD, _LEAN_LATERAL, _TRUNK_TURN = range(3)
+_FIRST_HIKE, _FIRST_SPEED = (
+    MODEL_SCALARS.index(name) for name in ("shoulder_hike_left_m", "hand_speed_left_mps")
+)
+_HIPS, _TRUNK, _HALF_WIDTH, _NECK_LENGTH, _FIRST_OF_ARM = range(5)
+"""Places of `model_lengths`."""
+_JOINT_ANGLES, _ARM_ANGLES = 3, 9
 
 
 @borrowing()
@@ -111,27 +128,28 @@ def _trunk(
     k: int, thorax: Float, thorax_omega: Float, worn: Segments, model: Columns, at: _Chain, out: Filled
 ) -> None:
     """Place neck and head, and write the trunk's lean."""
-    head = worn.q_room[k, model.source[1]] if model.source[1] >= 0 else thorax
+    head = worn.q_room[k, model.source[_HEAD]] if model.source[_HEAD] >= 0 else thorax
     has_omega = worn.omega_room_radps.shape[0] > 0
     lengths, position, velocity = model.lengths_m, at.position, at.velocity
-    position[0, 0] = 0.0
-    position[0, 1] = 0.0
-    position[0, 2] = lengths[0]
+    position[_PELVIS, 0] = 0.0
+    position[_PELVIS, 1] = 0.0
+    position[_PELVIS, 2] = lengths[_HIPS]
     _advance(
-        thorax, thorax_omega, has_omega, 0.0, 0.0, lengths[1],
-        position[0], velocity[0], position[1], velocity[1],
+        thorax, thorax_omega, has_omega, 0.0, 0.0, lengths[_TRUNK],
+        position[_PELVIS], velocity[_PELVIS], position[_NECK], velocity[_NECK],
     )  # fmt: skip
     _advance(
-        head, thorax_omega, False, 0.0, 0.0, lengths[3],
-        position[1], velocity[1], position[2], velocity[2],
+        head, thorax_omega, False, 0.0, 0.0, lengths[_NECK_LENGTH],
+        position[_NECK], velocity[_NECK], position[_HEAD_POINT], velocity[_HEAD_POINT],
     )  # fmt: skip
-    if model.scalar[0] >= 0:
+    if model.scalar[_LEAN_FORWARD] >= 0:
         matrix = at.matrix
         matrix_of(thorax, matrix)
         # R = Ry(forward) Rx(right) Rz(left)
-        out.scalar[k, model.scalar[0]] = math.atan2(matrix[0, 2], matrix[2, 2])
-        out.scalar[k, model.scalar[1]] = math.atan2(-matrix[1, 2], math.hypot(matrix[1, 0], matrix[1, 1]))
-        out.scalar[k, model.scalar[2]] = math.atan2(matrix[1, 0], matrix[1, 1])
+        out.scalar[k, model.scalar[_LEAN_FORWARD]] = math.atan2(matrix[0, 2], matrix[2, 2])
+        lateral = math.atan2(-matrix[1, 2], math.hypot(matrix[1, 0], matrix[1, 1]))
+        out.scalar[k, model.scalar[_LEAN_LATERAL]] = lateral
+        out.scalar[k, model.scalar[_TRUNK_TURN]] = math.atan2(matrix[1, 0], matrix[1, 1])
 
 
 @borrowing()
@@ -147,10 +165,10 @@ def _shoulder_point(
 ) -> None:
     """Place the shoulder, on its clavicle or with the thorax, and write how far it is hiked."""
     is_left = side == 0
-    point = 3 + 4 * side
+    point = _FIRST_SHOULDER + _PER_ARM * side
     has_omega = worn.omega_room_radps.shape[0] > 0
-    outward = model.lengths_m[2] if is_left else -model.lengths_m[2]
-    clavicle_index = model.source[2 + 4 * side]
+    outward = model.lengths_m[_HALF_WIDTH] if is_left else -model.lengths_m[_HALF_WIDTH]
+    clavicle_index = model.source[_FIRST_CLAVICLE + _PER_ARM * side]
     clavicle = worn.q_room[k, clavicle_index] if clavicle_index >= 0 else thorax
     clavicle_omega = thorax_omega
     if has_omega and clavicle_index >= 0:
@@ -158,14 +176,15 @@ def _shoulder_point(
     position, velocity = at.position, at.velocity
     _advance(
         clavicle, clavicle_omega, has_omega, 0.0, outward, 0.0,
-        position[1], velocity[1], position[point], velocity[point],
+        position[_NECK], velocity[_NECK], position[point], velocity[point],
     )  # fmt: skip
-    if model.scalar[3 + side] >= 0:
+    column = model.scalar[_FIRST_HIKE + side]
+    if column >= 0:
         matrix_of(thorax, at.matrix)
         hike = 0.0
         for i in range(3):
-            hike += at.matrix[i, 2] * (position[point, i] - position[1, i])
-        out.scalar[k, model.scalar[3 + side]] = hike
+            hike += at.matrix[i, 2] * (position[point, i] - position[_NECK, i])
+        out.scalar[k, column] = hike
 
 
 @borrowing()
@@ -205,10 +224,11 @@ def _joint(
     out: Filled,
 ) -> None:
     """Write angles, sigmas and flags of shoulder (0), elbow (1) or wrist (2)."""
-    column = model.angle[9 * side + 3 * joint]
+    column = model.angle[_ARM_ANGLES * side + _JOINT_ANGLES * joint]
     is_left = side == 0
-    child_index = model.source[3 + 4 * side + joint]
-    parent_index = model.source[0] if joint == 0 else model.source[2 + 4 * side + joint]
+    before = _FIRST_CLAVICLE + _PER_ARM * side + joint
+    child_index = model.source[before + 1]
+    parent_index = model.source[_THORAX] if joint == 0 else model.source[before]
     parent = worn.q_room[k, parent_index] if parent_index >= 0 else at.upright
     relative, found = at.relative, at.found
     relative_of(parent, worn.q_room[k, child_index], is_left, relative)
@@ -241,16 +261,17 @@ def _joint(
 @borrowing()
 def _onward(k: int, side: int, joint: int, worn: Segments, model: Columns, at: _Chain) -> None:
     """Go on from a joint to the next point of the arm, unless it is not wanted."""
-    point = 3 + 4 * side + joint
+    point = _FIRST_SHOULDER + _PER_ARM * side + joint
     if model.point[point + 1] < 0:
         return
     # A hand without a sensor goes straight on from the forearm.
-    child_index = model.source[point]
-    carrier = child_index if child_index >= 0 else model.source[point - 1]
+    before = _FIRST_CLAVICLE + _PER_ARM * side + joint
+    child_index = model.source[before + 1]
+    carrier = child_index if child_index >= 0 else model.source[before]
     has_omega = worn.omega_room_radps.shape[0] > 0
     omega = worn.omega_room_radps[k, carrier] if has_omega else at.zero
     _advance(
-        worn.q_room[k, carrier], omega, has_omega, 0.0, 0.0, -model.lengths_m[4 + joint],
+        worn.q_room[k, carrier], omega, has_omega, 0.0, 0.0, -model.lengths_m[_FIRST_OF_ARM + joint],
         at.position[point], at.velocity[point], at.position[point + 1], at.velocity[point + 1],
     )  # fmt: skip
 
@@ -260,7 +281,7 @@ def _tick(
     k: int, worn: Segments, model: Columns, step_s: float, previous: Float, at: _Chain, out: Filled
 ) -> None:
     has_omega = worn.omega_room_radps.shape[0] > 0
-    thorax_index = model.source[0]
+    thorax_index = model.source[_THORAX]
     thorax = worn.q_room[k, thorax_index] if thorax_index >= 0 else at.upright
     thorax_omega = worn.omega_room_radps[k, thorax_index] if has_omega and thorax_index >= 0 else at.zero
     _trunk(k, thorax, thorax_omega, worn, model, at, out)
@@ -268,16 +289,17 @@ def _tick(
         _shoulder_point(k, side, thorax, thorax_omega, worn, model, at, out)
         for joint in range(3):
             _onward(k, side, joint, worn, model, at)
-            first = 9 * side + 3 * joint
+            first = _ARM_ANGLES * side + _JOINT_ANGLES * joint
             if model.angle[first] >= 0:
-                _joint(k, side, joint, worn, model, step_s, previous[first : first + 3], at, out)
-        if model.scalar[5 + side] >= 0:
+                _joint(k, side, joint, worn, model, step_s, previous[first : first + _JOINT_ANGLES], at, out)
+        column = model.scalar[_FIRST_SPEED + side]
+        if column >= 0:
             speed = math.nan
             if has_omega:
-                v = at.velocity[6 + 4 * side]
+                v = at.velocity[_FIRST_HAND + _PER_ARM * side]
                 speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-            out.scalar[k, model.scalar[5 + side]] = speed
-    for p in range(11):
+            out.scalar[k, column] = speed
+    for p in range(_POINTS):
         if model.point[p] >= 0:
             for i in range(3):
                 out.point_m[k, model.point[p], i] = at.position[p, i]
@@ -287,8 +309,8 @@ def _tick(
 def evaluate_kernel(worn: Segments, model: Columns, step_s: float, previous: Float, out: Filled) -> None:
     """Fill the outputs for every tick; `previous` (18,), the angles before, is read and left at the last tick."""
     at = _Chain(
-        np.empty((11, 3)),
-        np.zeros((11, 3)),
+        np.empty((_POINTS, 3)),
+        np.zeros((_POINTS, 3)),
         np.empty((3, 3)),
         np.empty((3, 3)),
         np.empty(4),

@@ -31,9 +31,11 @@ _SAME: Final = 1e-9
 _SAME_FIELD_T: Final = 1e-14
 """Averages over ticks of one value agree to this; different counts of a device do not."""
 
-_LAST, _RUN, _MOVED, _USUAL, _CHANGES = 0, 9, 12, 15, 18
+_LAST_RATE, _LAST_FORCE, _LAST_FIELD = 0, 3, 6
+_RUN, _MOVED, _USUAL, _CHANGES = 9, 12, 15, 18
 _FORCE_FROM, _TURNED, _TURNED_FIELD = 21, 24, 27
 _WHOLE_USUAL, _NOISE, _CHANGE = 28, 29, 30
+_RATE, _FORCE, _FIELD = range(3)
 _LAG, _MATCHES, _BLOCK_RATE, _NEXT, _KEY = 33, 34, 35, 36, 37
 MEMORY = _KEY + _KEYS
 """Per sensor: last values of the three triads; per triad for how long it has repeated itself, for how long of that it
@@ -74,8 +76,8 @@ def _block(m: Float, rate: Float, force: Float) -> float:
 @borrowing("void(float64[::1])", inlined=True)
 def forget(m: Float) -> None:
     """Begin anew after a sample that is missing; what is usual stays known."""
-    for i in range(9):
-        m[_LAST + i] = math.nan
+    for i in range(_LAST_RATE, _RUN):
+        m[i] = math.nan
     for t in range(3):
         m[_RUN + t] = m[_MOVED + t] = 0.0
     m[_LAG] = m[_MATCHES] = m[_CHANGE] = m[_CHANGE + 1] = m[_CHANGE + 2] = 0.0
@@ -107,10 +109,10 @@ def frozen(
     same_rate, same_force, same_field = True, True, True
     for a in range(3):
         turning += rate[a] * rate[a]
-        change = rate[a] - m[_LAST + a]
+        change = rate[a] - m[_LAST_RATE + a]
         same_rate &= abs(change) <= _SAME
-        same_force &= abs(force[a] - m[_LAST + 3 + a]) <= _SAME
-        same_field &= has_field and abs(field[a] - m[_LAST + 6 + a]) <= _SAME_FIELD_T
+        same_force &= abs(force[a] - m[_LAST_FORCE + a]) <= _SAME
+        same_field &= has_field and abs(field[a] - m[_LAST_FIELD + a]) <= _SAME_FIELD_T
         reverse += change * m[_CHANGE + a]
         if abs(change) > _SAME:
             m[_CHANGE + a] = change
@@ -133,16 +135,16 @@ def frozen(
         b, c = (a + 1) % 3, (a + 2) % 3
         moved += (force[a] - m[_FORCE_FROM + a]) ** 2
         across += (force[b] * m[_TURNED + c] - force[c] * m[_TURNED + b]) ** 2
-        m[_LAST + a], m[_LAST + 3 + a] = rate[a], force[a]
-        m[_LAST + 6 + a] = field[a] if has_field else math.nan
+        m[_LAST_RATE + a], m[_LAST_FORCE + a] = rate[a], force[a]
+        m[_LAST_FIELD + a] = field[a] if has_field else math.nan
     noisy = m[_NOISE] >= _FEWEST_CHANGES
-    whole = min(m[_RUN], m[_RUN + 1])
+    whole = min(m[_RUN + _RATE], m[_RUN + _FORCE])
     lasts = field_lasts = 0.0
     for t in range(3):
         same, moves, shown, least_s = same_rate, turning > _TURNING_RADPS, noisy, _LEAST_S
-        if t == 0:
+        if t == _RATE:
             moves |= moved > _MOVED_MPS2**2
-        elif t == 1:
+        elif t == _FORCE:
             same, moves, shown = same_force, seen, across > _MOVED_MPS2**2
         else:
             same, moves, least_s = same_field, seen, _LEAST_FIELD_S
@@ -153,7 +155,7 @@ def frozen(
             if moves:
                 m[_MOVED + t] += 1.0
             if shown and m[_CHANGES + t] >= _FEWEST_CHANGES and m[_MOVED + t] > least:
-                if t < 2:
+                if t != _FIELD:
                     lasts = max(lasts, m[_RUN + t])
                 else:
                     field_lasts = m[_RUN + t]
@@ -165,7 +167,7 @@ def frozen(
         m[_RUN + t] = m[_MOVED + t] = 0.0
     least = max(_USUAL_WHOLE_TIMES * m[_WHOLE_USUAL] + 2.0, _LEAST_WHOLE_S / step_s)
     if same_rate and same_force and (same_field or not has_field):
-        whole = min(m[_RUN], m[_RUN + 1])
+        whole = min(m[_RUN + _RATE], m[_RUN + _FORCE])
         if noisy and whole > least:
             lasts = max(lasts, whole)
     elif whole <= least or not noisy:

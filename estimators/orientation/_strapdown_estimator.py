@@ -12,6 +12,7 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._contract import OrientationResult
 from estimators.orientation._parameters import parameter
 from estimators.orientation._record_estimator import RecordEstimator
+from estimators.orientation._strapdown_steps import DETAIL_ACCELERATION, DETAIL_INNOVATION
 from estimators.recording import Float, ImuChunk
 
 REFERENCE_RATE_HZ = 100.0
@@ -145,7 +146,8 @@ class StrapdownEstimator(RecordEstimator):
             return StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags)
         details = np.full((chunk.sensor_count, chunk.tick_count, self._details), np.nan)
         out = self._filter(chunk, self._field(chunk), details)
-        found = StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags, details[..., :3])
+        acceleration = details[..., DETAIL_ACCELERATION:DETAIL_INNOVATION]
+        found = StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags, acceleration)
         return self._detailed(found, details)
 
     @abstractmethod

@@ -20,6 +20,9 @@ from estimators.recording import Float, SampleQuality
 
 MEASUREMENTS: Final = 5
 """At most so many scalar measurements a sample."""
+DETAIL_ACCELERATION: Final = 0
+DETAIL_INNOVATION: Final = 3
+"""Columns of the details: the acceleration, the whitened innovations, then what is the filter's own."""
 
 SETTINGS: Final[Fields] = [
     ("step_s", "f8"),
@@ -337,8 +340,8 @@ def store_details(
 ) -> None:
     """Write acceleration and whitened innovations, NaN where there was no correction."""
     for axis in range(3):
-        out.details[s, k, axis] = x.acceleration[axis]
+        out.details[s, k, DETAIL_ACCELERATION + axis] = x.acceleration[axis]
     for i in range(innovations):
         value, inverse = sample.innovation[i], sample.inverse[i]
         taken = action == FILTER and inverse > 0.0
-        out.details[s, k, 3 + i] = value * math.sqrt(inverse) if taken else math.nan
+        out.details[s, k, DETAIL_INNOVATION + i] = value * math.sqrt(inverse) if taken else math.nan

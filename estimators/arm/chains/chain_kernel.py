@@ -16,6 +16,14 @@ from estimators.compiling import compiled
 Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
 
+OFFSET, LENGTH, COSINE, SINE = range(4)
+"""A link: the way along the joint axis and along the common normal, and of the twist."""
+ORIGIN, LAST = 3, 3
+"""Column of a pose that holds its origin, and its last row (0, 0, 0, 1)."""
+W, X, Y, Z = range(4)
+DUAL, DUAL_QUATERNION = 4, 8
+"""Where the dual part of a dual quaternion begins, and how long one is."""
+
 
 @compiled()
 def link_matrix(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, out: Any) -> None:
@@ -23,15 +31,15 @@ def link_matrix(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, ou
     out[0, 0] = ct
     out[0, 1] = -(st * ca)
     out[0, 2] = st * sa
-    out[0, 3] = length * ct
+    out[0, ORIGIN] = length * ct
     out[1, 0] = st
     out[1, 1] = ct * ca
     out[1, 2] = -(ct * sa)
-    out[1, 3] = length * st
+    out[1, ORIGIN] = length * st
     out[2, 0] = 0.0
     out[2, 1] = sa
     out[2, 2] = ca
-    out[2, 3] = offset
+    out[2, ORIGIN] = offset
 
 
 @compiled()
@@ -40,23 +48,26 @@ def affine_product(a: Any, b: Any, out: Any) -> None:
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
-        out[i, 3] = a[i, 0] * b[0, 3] + a[i, 1] * b[1, 3] + a[i, 2] * b[2, 3] + a[i, 3]
+        out[i, ORIGIN] = (
+            a[i, 0] * b[0, ORIGIN] + a[i, 1] * b[1, ORIGIN] + a[i, 2] * b[2, ORIGIN] + a[i, ORIGIN]
+        )
 
 
 @compiled()
 def dual_product(a: Any, b: Any, out: Any) -> None:
     """Multiply two dual quaternions: (A_r B_r, A_r B_d + A_d B_r)."""
-    for part in range(0, 8, 4):
+    for part in (0, DUAL):
         w, x, y, z = b[part], b[part + 1], b[part + 2], b[part + 3]
         out[part] = a[0] * w - a[1] * x - a[2] * y - a[3] * z
         out[part + 1] = a[0] * x + a[1] * w + a[2] * z - a[3] * y
         out[part + 2] = a[0] * y - a[1] * z + a[2] * w + a[3] * x
         out[part + 3] = a[0] * z + a[1] * y - a[2] * x + a[3] * w
     w, x, y, z = b[0], b[1], b[2], b[3]
-    out[4] = out[4] + (a[4] * w - a[5] * x - a[6] * y - a[7] * z)
-    out[5] = out[5] + (a[4] * x + a[5] * w + a[6] * z - a[7] * y)
-    out[6] = out[6] + (a[4] * y - a[5] * z + a[6] * w + a[7] * x)
-    out[7] = out[7] + (a[4] * z + a[5] * y - a[6] * x + a[7] * w)
+    dw, dx, dy, dz = a[DUAL], a[DUAL + X], a[DUAL + Y], a[DUAL + Z]
+    out[DUAL] = out[DUAL] + (dw * w - dx * x - dy * y - dz * z)
+    out[DUAL + X] = out[DUAL + X] + (dw * x + dx * w + dy * z - dz * y)
+    out[DUAL + Y] = out[DUAL + Y] + (dw * y - dx * z + dy * w + dz * x)
+    out[DUAL + Z] = out[DUAL + Z] + (dw * z + dx * y - dy * x + dz * w)
 
 
 @compiled()
@@ -84,7 +95,7 @@ def _walk_matrices(joints: Float, links: Float, keep: Integer, out: Float) -> No
     for k in range(joints.shape[0]):
         for n in range(joints.shape[1]):
             ct, st = math.cos(joints[k, n]), math.sin(joints[k, n])
-            link_matrix(ct, st, links[n, 2], links[n, 3], links[n, 1], links[n, 0], link)
+            link_matrix(ct, st, links[n, COSINE], links[n, SINE], links[n, LENGTH], links[n, OFFSET], link)
             if n == 0:
                 pose[:] = link
             else:
@@ -94,29 +105,29 @@ def _walk_matrices(joints: Float, links: Float, keep: Integer, out: Float) -> No
                 for i in range(3):
                     for j in range(4):
                         out[k, keep[n], i, j] = pose[i, j]
-                    out[k, keep[n], 3, i] = 0.0
-                out[k, keep[n], 3, 3] = 1.0
+                    out[k, keep[n], LAST, i] = 0.0
+                out[k, keep[n], LAST, LAST] = 1.0
 
 
 def _walk_dual(joints: Float, links: Float, keep: Integer, out: Float) -> None:
     """Fill `out` (N, F, 8); `links` (n, 4) is offset, length, cos and sin of *half* the twist."""
-    pose, between = np.empty(8), np.empty(8)
-    along, across = np.zeros(8), np.zeros(8)
+    pose, between = np.empty(DUAL_QUATERNION), np.empty(DUAL_QUATERNION)
+    along, across = np.zeros(DUAL_QUATERNION), np.zeros(DUAL_QUATERNION)
     for k in range(joints.shape[0]):
         pose[:] = 0.0
-        pose[0] = 1.0
+        pose[W] = 1.0
         for n in range(joints.shape[1]):
             half = 0.5 * joints[k, n]
             c, s = math.cos(half), math.sin(half)
-            shift = 0.5 * links[n, 0]
-            along[0], along[3], along[4], along[7] = c, s, -shift * s, shift * c
-            c, s = links[n, 2], links[n, 3]
-            shift = 0.5 * links[n, 1]
-            across[0], across[1], across[4], across[5] = c, s, -shift * s, shift * c
+            shift = 0.5 * links[n, OFFSET]
+            along[W], along[Z], along[DUAL + W], along[DUAL + Z] = c, s, -shift * s, shift * c
+            c, s = links[n, COSINE], links[n, SINE]
+            shift = 0.5 * links[n, LENGTH]
+            across[W], across[X], across[DUAL + W], across[DUAL + X] = c, s, -shift * s, shift * c
             dual_product(pose, along, between)
             dual_product(between, across, pose)
             if keep[n] >= 0:
-                for i in range(8):
+                for i in range(DUAL_QUATERNION):
                     out[k, keep[n], i] = pose[i]
 
 
@@ -129,7 +140,7 @@ def _walk_axes(joints: Float, links: Float, keep: Integer, out: Float) -> None:
         p[:] = 0.0
         for n in range(joints.shape[1]):
             ct, st = math.cos(joints[k, n]), math.sin(joints[k, n])
-            axes_step(ct, st, links[n, 2], links[n, 3], links[n, 1], links[n, 0], s, a, p)
+            axes_step(ct, st, links[n, COSINE], links[n, SINE], links[n, LENGTH], links[n, OFFSET], s, a, p)
             f = keep[n]
             if f >= 0:
                 for i in range(3):
@@ -137,9 +148,9 @@ def _walk_axes(joints: Float, links: Float, keep: Integer, out: Float) -> None:
                     out[k, f, i, 0] = a[i]
                     out[k, f, i, 1] = s[j] * a[m] - s[m] * a[j]
                     out[k, f, i, 2] = s[i]
-                    out[k, f, i, 3] = p[i]
-                    out[k, f, 3, i] = 0.0
-                out[k, f, 3, 3] = 1.0
+                    out[k, f, i, ORIGIN] = p[i]
+                    out[k, f, LAST, i] = 0.0
+                out[k, f, LAST, LAST] = 1.0
 
 
 def _walk_two_links(q1: Float, q2: Float, upper_arm_m: float, forearm_m: float, out: Float) -> None:
@@ -160,10 +171,10 @@ def _walk_two_links(q1: Float, q2: Float, upper_arm_m: float, forearm_m: float, 
             pose[2, 1] = 2.0 * (y * z + w * x)
             pose[2, 2] = 1.0 - 2.0 * (x * x + y * y)
             for i in range(3):
-                start = out[k, 0, i, 3] if link == 1 else 0.0
-                pose[i, 3] = start + length * pose[i, 0]
-                pose[3, i] = 0.0
-            pose[3, 3] = 1.0
+                start = out[k, 0, i, ORIGIN] if link == 1 else 0.0
+                pose[i, ORIGIN] = start + length * pose[i, 0]
+                pose[LAST, i] = 0.0
+            pose[LAST, LAST] = 1.0
 
 
 _WALK = "void(f8[:,::1],f8[:,::1],i8[::1],"

@@ -19,6 +19,7 @@ _SLOW_HZ, _FINE_HZ = 75.0, 200.0
 """A foot turns by ten degrees between the samples of a slow sensor: the filter takes it in steps of a fast one's."""
 _SHORTEST_S = 0.5
 _LONGEST_FILL_S = 3600.0
+_GYROSCOPE, _ACCELEROMETER = slice(0, 3), slice(3, 6)
 
 
 @dataclass(frozen=True)
@@ -92,9 +93,9 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     )
     values = curve(new_s)
     is_long = length > BRIDGE_S
-    values[is_long, :3] = 0.0
-    force = values[is_long, 3:]
-    values[is_long, 3:] = force * (
+    values[is_long, _GYROSCOPE] = 0.0
+    force = values[is_long, _ACCELEROMETER]
+    values[is_long, _ACCELEROMETER] = force * (
         GRAVITY_MPS2 / np.maximum(np.linalg.norm(force, axis=1, keepdims=True), 1.0)
     )
     order = np.argsort(np.concatenate([time_s, new_s]), kind="stable")
@@ -105,8 +106,8 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
 
     filled = SensorSignals(
         merged(time_s, new_s),
-        merged(gyroscope, values[:, :3]),
-        merged(accelerometer, values[:, 3:]),
+        merged(gyroscope, values[:, _GYROSCOPE]),
+        merged(accelerometer, values[:, _ACCELEROMETER]),
         None if field is None else merged(field, np.full((len(new_s), 3), np.nan)),
     )
     is_missing = merged(measured, is_long.astype(np.float64)) > 0.0

@@ -13,6 +13,12 @@ STATE: Final = 19
 E_P, E_V, E_Q, E_GYROSCOPE_BIAS, E_ACCELEROMETER_BIAS, E_PIVOT = 0, 3, 6, 9, 12, 15
 ERRORS: Final = 18
 
+# A tick as it is released: the state, sigmas, statistic and whether the foot stands.
+POSITION_SIGMA, ATTITUDE_SIGMA, STATISTIC, STANDS, COLUMNS = STATE, STATE + 3, STATE + 6, STATE + 7, STATE + 8
+SIGMAS: Final = slice(POSITION_SIGMA, STATISTIC)
+SIGMA_POSITION, SIGMA_ATTITUDE, SIGMA_HEADING = 0, 3, 5
+"""Places among the six sigmas: of position, of attitude about x, y and z."""
+
 # What one step looked like, for the way back: sensor-to-world matrix at mid-step, force in the world, step.
 STEP_MATRIX, STEP_FORCE, STEP_TIME, STEP = 0, 9, 12, 13
 

@@ -159,7 +159,8 @@ class LostPlace:
                 spread[:, 2] ** 2 + m[_UP2] + (self._parameters.lost_climb_mps * in_gap) ** 2
             )
             yaw = np.minimum(self._parameters.lost_turn_radps * in_gap, YAW_UNKNOWN_RAD)
-            spread[:, 5] = np.minimum(np.sqrt(spread[:, 5] ** 2 + m[_YAW2] + yaw**2), YAW_UNKNOWN_RAD)
+            grown = np.sqrt(spread[:, at.SIGMA_HEADING] ** 2 + m[_YAW2] + yaw**2)
+            spread[:, at.SIGMA_HEADING] = np.minimum(grown, YAW_UNKNOWN_RAD)
             is_lost = (m[_LOST] > 0.0) | (in_gap >= self._least * self._step_s)
             flags[piece] |= is_lost * np.uint8(FootFlag.PLACE_LOST)
         m[_RUN] = gap[-1] if is_missing[-1] else 0.0

@@ -21,6 +21,7 @@ from estimators.orientation._strapdown_estimator import (
     StrapdownParameters,
     StrapdownResult,
 )
+from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
 from estimators.orientation.luinge import _consistent as consistent
 from estimators.orientation.luinge import _published as published
 from estimators.orientation.luinge._rest import BLOCKS
@@ -93,7 +94,9 @@ class LuingeEstimator(StrapdownEstimator):
 
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:
         innovations = 3 if self._parameters.published_structure else 2
-        return replace(result, whitened_innovations=details[..., 3 : 3 + innovations])
+        return replace(
+            result, whitened_innovations=details[..., DETAIL_INNOVATION : DETAIL_INNOVATION + innovations]
+        )
 
 
 __all__ = ["PUBLISHED", "LuingeEstimator", "LuingeParameters"]

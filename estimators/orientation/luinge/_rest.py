@@ -15,13 +15,14 @@ REST_SETTINGS: Final[Fields] = [
     ("rate_limit", "f8"),
     ("force_limit", "f8"),
 ]
-# Sums and squares are of rate and force, six numbers each; those of the window stand one block after the other.
+_RATE, _FORCE, _SUMS = 0, 3, 6
+# Sums and squares are of rate and force; those of the window stand one block after the other.
 REST_STATE: Final[Fields] = [
-    ("mean", "f8", 6),
-    ("block_sum", "f8", 6),
-    ("block_square", "f8", 6),
-    ("window_sum", "f8", 6 * BLOCKS),
-    ("window_square", "f8", 6 * BLOCKS),
+    ("mean", "f8", _SUMS),
+    ("block_sum", "f8", _SUMS),
+    ("block_square", "f8", _SUMS),
+    ("window_sum", "f8", _SUMS * BLOCKS),
+    ("window_square", "f8", _SUMS * BLOCKS),
     ("in_block", "i8"),
     ("blocks", "i8"),
     ("is_quiet", "i8"),
@@ -34,8 +35,8 @@ _NEAR = 2.0
 @step()
 def judge_block(x: Record, c: Record) -> None:
     """Take the full block into the window and judge the window."""
-    slot = 6 * (x.blocks % BLOCKS)
-    for i in range(6):
+    slot = _SUMS * (x.blocks % BLOCKS)
+    for i in range(_SUMS):
         x.window_sum[slot + i], x.window_square[slot + i] = x.block_sum[i], x.block_square[i]
         x.block_sum[i] = x.block_square[i] = 0.0
     x.in_block = 0
@@ -44,14 +45,14 @@ def judge_block(x: Record, c: Record) -> None:
         return
     samples = BLOCKS * c.block_ticks
     quiet = True
-    for axis in range(6):
+    for axis in range(_SUMS):
         total = square = 0.0
         for block in range(BLOCKS):
-            total += x.window_sum[6 * block + axis]
-            square += x.window_square[6 * block + axis]
+            total += x.window_sum[_SUMS * block + axis]
+            square += x.window_square[_SUMS * block + axis]
         mean = total / samples
         x.mean[axis] = mean
-        limit = c.rate_limit if axis < 3 else c.force_limit
+        limit = c.rate_limit if axis < _FORCE else c.force_limit
         quiet &= square / samples - mean * mean <= limit * limit
     x.is_quiet = 1 if quiet else 0
 
@@ -63,27 +64,27 @@ def watch_rest(x: Record, sample: Record, c: Record) -> None:
         return
     for i in range(3):
         rate, force = sample.rate[i], sample.force[i]
-        x.block_sum[i] += rate
-        x.block_square[i] += rate * rate
-        x.block_sum[3 + i] += force
-        x.block_square[3 + i] += force * force
+        x.block_sum[_RATE + i] += rate
+        x.block_square[_RATE + i] += rate * rate
+        x.block_sum[_FORCE + i] += force
+        x.block_square[_FORCE + i] += force * force
     x.in_block += 1
     if x.in_block >= c.block_ticks:
         judge_block(x, c)
     at_rest = x.is_quiet != 0
     if at_rest:
         for axis in range(3):
-            at_rest &= abs(sample.rate[axis] - x.mean[axis]) <= _NEAR * c.rate_limit
-            at_rest &= abs(sample.force[axis] - x.mean[3 + axis]) <= _NEAR * c.force_limit
+            at_rest &= abs(sample.rate[axis] - x.mean[_RATE + axis]) <= _NEAR * c.rate_limit
+            at_rest &= abs(sample.force[axis] - x.mean[_FORCE + axis]) <= _NEAR * c.force_limit
     x.is_at_rest = 1 if at_rest else 0
 
 
 @step()
 def forget_rest(x: Record) -> None:
     """Begin a new window, after a start."""
-    for i in range(6):
+    for i in range(_SUMS):
         x.mean[i] = x.block_sum[i] = x.block_square[i] = 0.0
-    for i in range(6 * BLOCKS):
+    for i in range(_SUMS * BLOCKS):
         x.window_sum[i] = x.window_square[i] = 0.0
     x.in_block = x.blocks = x.is_quiet = x.is_at_rest = 0
 

@@ -22,12 +22,12 @@ from estimators.orientation._strapdown_estimator import (
     StrapdownParameters,
     StrapdownResult,
 )
+from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
 from estimators.orientation.roetenberg import _kernel as kernel
 from estimators.orientation.roetenberg._model import (
     DETAILS,
     DIP,
     DISTURBANCE,
-    INNOVATIONS,
     NORM,
     SETTINGS,
     STATE,
@@ -143,7 +143,7 @@ class RoetenbergEstimator(StrapdownEstimator):
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:
         return replace(
             result,
-            whitened_innovations=details[..., INNOVATIONS:DISTURBANCE],
+            whitened_innovations=details[..., DETAIL_INNOVATION:DISTURBANCE],
             disturbance_earth=details[..., DISTURBANCE:NORM],
             field_norm=details[..., NORM],
             field_dip_rad=details[..., DIP],

@@ -13,15 +13,10 @@ from estimators.recording import Float
 STATES: Final = BASE + 3
 """Orientation error in the earth frame, offset error in the sensor frame, disturbance error in the earth frame."""
 MEASUREMENTS: Final = 5
-INNOVATIONS, DISTURBANCE, NORM, DIP, DETAILS = (
-    3,
-    3 + MEASUREMENTS,
-    6 + MEASUREMENTS,
-    7 + MEASUREMENTS,
-    8 + MEASUREMENTS,
-)
-"""Columns of the details after the acceleration."""
 """Two of gravity, three of the field."""
+DISTURBANCE: Final = steps.DETAIL_INNOVATION + MEASUREMENTS
+NORM, DIP, DETAILS = DISTURBANCE + 3, DISTURBANCE + 4, DISTURBANCE + 5
+"""Columns of the details after the innovations."""
 
 SETTINGS = record(
     steps.SETTINGS,
@@ -116,7 +111,6 @@ __all__ = [
     "DETAILS",
     "DIP",
     "DISTURBANCE",
-    "INNOVATIONS",
     "MEASUREMENTS",
     "NORM",
     "SETTINGS",

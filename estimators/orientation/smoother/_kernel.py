@@ -10,10 +10,16 @@ from numpy.typing import NDArray
 from estimators._kernels import kernel
 from estimators.kernels import VOID, Record, record, step
 from estimators.kernels import rows as rows_of
-from estimators.orientation.telemotion._block import absorb, predict
+from estimators.orientation.telemotion._block import (
+    ENTRIES,
+    INNOVATION,
+    VARIANCE,
+    absorb,
+    field_rows,
+    predict,
+)
 from estimators.orientation.telemotion._records import (
     BIAS,
-    DELAY,
     FIELD,
     GAIN,
     IRON,
@@ -29,8 +35,10 @@ from estimators.recording import Float
 
 GROUPS = 4
 """Measurements that a block can have, three components each: place, speed and bias at rest, field."""
-KEPT = 3 * (STATES + 2)
+KEPT_INNOVATION, KEPT_INVERSE, KEPT = 3 * STATES, 3 * STATES + 3, 3 * STATES + 6
 """What is retained of a measurement: three gains, innovations left over their variance, one over variance."""
+TURN_X, TURN_Y, TURN_XY, TURN_NORTH, VARIANCES = range(5)
+"""Variances of a block: of the turn about x and y, their covariance, of the turn about z with the estimated north."""
 
 FACTS: Final = record(
     [
@@ -66,33 +74,24 @@ def _measured(
     if group == 3:
         if facts.field_variance <= 0.0:
             return 0
-        per_field, per_sample = 1.0 / sums.field_count, 1.0 / sums.count
-        bx, by, bz = nominal[FIELD], nominal[FIELD + 1], nominal[FIELD + 2]
-        index[0, 0], value[0, 0], index[0, 1], value[0, 1] = TURN + 1, -bz, TURN + 2, by
-        index[1, 0], value[1, 0], index[1, 1], value[1, 1] = TURN, bz, TURN + 2, -bx
-        index[2, 0], value[2, 0], index[2, 1], value[2, 1] = TURN, -by, TURN + 1, bx
+        per_field = 1.0 / sums.field_count
+        field_rows(sums, nominal[FIELD : FIELD + 3], facts.share, index, value)
         for a in range(3):
-            index[a, 2], value[a, 2] = FIELD + a, 1.0
-            index[a, 3], value[a, 3] = DELAY, sums.sum_delay[a] * per_field
-            for c in range(3):
-                index[a, 4 + c] = IRON + c
-                value[a, 4 + c] = sums.sum_rotation[3 * a + c] * per_sample
-            index[a, 7], value[a, 7] = START + a, facts.share
             expected = nominal[FIELD + a] + facts.share * nominal[START + a]
-            rows[3, a] = sums.sum_field[a] * per_field - expected
-            rows[4, a] = facts.field_variance
-        return 8
+            rows[INNOVATION, a] = sums.sum_field[a] * per_field - expected
+            rows[VARIANCE, a] = facts.field_variance
+        return ENTRIES
     if group > 0 and not facts.is_at_rest:
         return 0
     for a in range(3):
-        value[a, 0], rows[3, a] = 1.0, 0.0
+        value[a, 0], rows[INNOVATION, a] = 1.0, 0.0
         if group == 0:
-            index[a, 0], rows[4, a] = POSITION + a, settings.position_prior / time_s
+            index[a, 0], rows[VARIANCE, a] = POSITION + a, settings.position_prior / time_s
         elif group == 1:
-            index[a, 0], rows[4, a] = VELOCITY + a, settings.rest_speed / time_s
+            index[a, 0], rows[VARIANCE, a] = VELOCITY + a, settings.rest_speed / time_s
         else:
-            index[a, 0], rows[4, a] = BIAS + a, facts.rate_variance
-            rows[3, a] = facts.rate[a] - nominal[BIAS + a]
+            index[a, 0], rows[VARIANCE, a] = BIAS + a, facts.rate_variance
+            rows[INNOVATION, a] = facts.rate[a] - nominal[BIAS + a]
     return 1
 
 
@@ -160,8 +159,8 @@ def forward(
         Filled: the prediction for each block, before its measurements.
     retained : ndarray, shape (B, GROUPS, KEPT)
     """
-    rows = np.zeros((5, STATES))
-    index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
+    rows = np.zeros((VARIANCE + 1, STATES))
+    index, value = np.zeros((3, ENTRIES), dtype=np.int64), np.zeros((3, ENTRIES))
     for block in range(sums.shape[0]):
         known, one = facts[block], sums[block]
         _carry(error, one, gravity, float(one.count), settings.step_s)
@@ -181,8 +180,8 @@ def forward(
             for m in range(3):
                 for i in range(STATES):
                     retained[block, group, STATES * m + i] = rows[m, i]
-                retained[block, group, 3 * STATES + m] = rows[3, m]
-                retained[block, group, 3 * STATES + 3 + m] = rows[4, m]
+                retained[block, group, KEPT_INNOVATION + m] = rows[INNOVATION, m]
+                retained[block, group, KEPT_INVERSE + m] = rows[VARIANCE, m]
         for a in range(3):
             error[TURN + a] -= known.step[a]
 
@@ -250,22 +249,21 @@ def backward(
     adjoint : ndarray, shape (STATES,)
         Filled: the adjoint before the first block; the smoothed start is the prior less its covariance
         times this.
-    variances : ndarray, shape (B, 4)
-        Filled if `uncertain`: of the turn about x and y, their covariance, and of the turn about z with
-        that of the estimated north.
+    variances : ndarray, shape (B, VARIANCES)
+        Filled if `uncertain`.
 
     Notes
     -----
     Per measurement, in reverse: lambda <- lambda - H' (k' lambda + e / S), Lambda <- (I - k H)' Lambda
     (I - k H) + H' H / S; the smoothed error is x - P lambda with covariance P - P Lambda P.
     """
-    rows = np.zeros((5, STATES))
-    index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
+    rows = np.zeros((VARIANCE + 1, STATES))
+    index, value = np.zeros((3, ENTRIES), dtype=np.int64), np.zeros((3, ENTRIES))
     big, product = np.zeros(STATES * STATES), np.zeros(STATES)
     level = nominal[FIELD] ** 2 + nominal[FIELD + 1] ** 2
     by_east = nominal[FIELD + 1] / level if level > 0.0 else 0.0
     by_north = -nominal[FIELD] / level if level > 0.0 else 0.0
-    looks = np.zeros((4, STATES))
+    look_x, look_y, look_north = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
     for i in range(STATES):
         adjoint[i] = 0.0
     for block in range(sums.shape[0] - 1, -1, -1):
@@ -277,12 +275,12 @@ def backward(
             for m in range(2, -1, -1):
                 gain, inverse = (
                     retained[block, group, STATES * m : STATES * (m + 1)],
-                    retained[block, group, 3 * STATES + 3 + m],
+                    retained[block, group, KEPT_INVERSE + m],
                 )
                 total = 0.0
                 for i in range(STATES):
                     total += gain[i] * adjoint[i]
-                total = inverse * total + retained[block, group, 3 * STATES + m]
+                total = inverse * total + retained[block, group, KEPT_INNOVATION + m]
                 for e in range(entries):
                     adjoint[index[m, e]] -= value[m, e] * total
                 if uncertain:
@@ -296,17 +294,17 @@ def backward(
             smooth[block, i] = total
         if uncertain:
             for i in range(STATES):
-                looks[0, i], looks[1, i] = p[STATES * TURN + i], p[STATES * (TURN + 1) + i]
-                looks[2, i] = (
+                look_x[i], look_y[i] = p[STATES * TURN + i], p[STATES * (TURN + 1) + i]
+                look_north[i] = (
                     p[STATES * (TURN + 2) + i]
                     + by_east * p[STATES * FIELD + i]
                     + by_north * p[STATES * (FIELD + 1) + i]
                 )
-            variances[block, 0] = looks[0, TURN] - _squared(big, looks[0], looks[0])
-            variances[block, 1] = looks[1, TURN + 1] - _squared(big, looks[1], looks[1])
-            variances[block, 2] = looks[0, TURN + 1] - _squared(big, looks[0], looks[1])
-            own = looks[2, TURN + 2] + by_east * looks[2, FIELD] + by_north * looks[2, FIELD + 1]
-            variances[block, 3] = own - _squared(big, looks[2], looks[2])
+            variances[block, TURN_X] = look_x[TURN] - _squared(big, look_x, look_x)
+            variances[block, TURN_Y] = look_y[TURN + 1] - _squared(big, look_y, look_y)
+            variances[block, TURN_XY] = look_x[TURN + 1] - _squared(big, look_x, look_y)
+            own = look_north[TURN + 2] + by_east * look_north[FIELD] + by_north * look_north[FIELD + 1]
+            variances[block, TURN_NORTH] = own - _squared(big, look_north, look_north)
         _carry_back(adjoint, 0, one, float(one.count), settings.step_s)
         if uncertain:
             for _ in range(2):  # F' Lambda F: the rows, transpose, the rows again
@@ -317,4 +315,16 @@ def backward(
                         big[STATES * i + j], big[STATES * j + i] = big[STATES * j + i], big[STATES * i + j]
 
 
-__all__ = ["FACTS", "GROUPS", "KEPT", "backward", "forward"]
+__all__ = [
+    "FACTS",
+    "GROUPS",
+    "KEPT",
+    "KEPT_INNOVATION",
+    "KEPT_INVERSE",
+    "TURN_NORTH",
+    "TURN_X",
+    "TURN_Y",
+    "VARIANCES",
+    "backward",
+    "forward",
+]

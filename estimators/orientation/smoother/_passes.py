@@ -8,7 +8,18 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation.smoother._kernel import GROUPS, KEPT, backward, forward
+from estimators.orientation.smoother._kernel import (
+    GROUPS,
+    KEPT,
+    KEPT_INNOVATION,
+    KEPT_INVERSE,
+    TURN_NORTH,
+    TURN_X,
+    TURN_Y,
+    VARIANCES,
+    backward,
+    forward,
+)
 from estimators.orientation.smoother._rest import Rests
 from estimators.orientation.smoother._session import SensorSession
 from estimators.orientation.smoother._sweep import sweep, turn_on
@@ -114,9 +125,9 @@ class SensorPasses:
         self._bias_variance = self._rests.known(covariances, p)
         seen = facts["field_variance"] > 0.0
         raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
-        self._weigh(retained[seen, GROUPS - 1, 3 * at.STATES :], facts["field_variance"][seen] / raised)
+        self._weigh(retained[seen, GROUPS - 1], facts["field_variance"][seen] / raised)
         smooth, adjoint = np.empty_like(means), np.empty(at.STATES)
-        variances = np.zeros((blocks, 4))
+        variances = np.zeros((blocks, VARIANCES))
         backward(
             sums,
             facts,
@@ -136,14 +147,14 @@ class SensorPasses:
             self._variances = variances
             self.final_variance = np.maximum(p.reshape(at.STATES, at.STATES).diagonal(), _LEAST_VARIANCE)
 
-    def _weigh(self, innovations: Float, least_variance: Float) -> None:
+    def _weigh(self, retained: Float, least_variance: Float) -> None:
         """Set how likely the field was, from what `forward` keeps: innovation and one, over variance.
 
         The variance of a block that does not fit was raised before, which costs by its logarithm. Nothing can
         be likelier than no innovation at all with the least variance.
         """
-        over, one = innovations[:, :3], innovations[:, 3:]
-        self.field_blocks = len(innovations)
+        over, one = retained[:, KEPT_INNOVATION:KEPT_INVERSE], retained[:, KEPT_INVERSE:]
+        self.field_blocks = len(retained)
         self.log_likelihood = 0.5 * float((np.log(one) - over * over / one).sum())
         self.largest_gain = -1.5 * float(np.log(least_variance).sum()) - self.log_likelihood
 
@@ -248,9 +259,14 @@ class SensorPasses:
         that, so does the floor. What is turned everywhere alike shows in no reading, and is in no sigma.
         """
         settings = self._settings
-        tilt = settings["tilt_scale"] * np.maximum(self._variances[:, :2], 0.0) + settings["tilt_floor"]
+        tilt = (
+            settings["tilt_scale"] * np.maximum(self._variances[:, [TURN_X, TURN_Y]], 0.0)
+            + settings["tilt_floor"]
+        )
         level = 1.0 + np.minimum(self._level, _WORST_LEVEL)
-        own = np.maximum(self._variances[:, 3], 0.0) * (settings["heading_scale"] if self.has_field else 1.0)
+        own = np.maximum(self._variances[:, TURN_NORTH], 0.0) * (
+            settings["heading_scale"] if self.has_field else 1.0
+        )
         heading = np.sqrt(own + settings["heading_floor"] * level * self._share**2)
         blocks = np.column_stack((np.sqrt(tilt), np.minimum(heading, math.pi)))
         ends = (np.arange(len(blocks)) + 1) * self._block_ticks - 1

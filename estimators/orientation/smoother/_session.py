@@ -15,6 +15,7 @@ from estimators.orientation.telemotion._samples import CLIP_SHARE
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 _MICROTESLA = 1e6
+_RATE, _FORCE = slice(0, 3), slice(3, 6)
 _LOST_RATE = 1.0
 """Rate error, rad/s, over a gap that is too long to be filled."""
 _LARGEST_TURN = 1.0
@@ -204,7 +205,8 @@ def _fill(
     late = t * t * (3.0 - 2.0 * t)
     curve = length * (t * (1.0 - t) ** 2 * rise - t * t * (1.0 - t) * fall)
     motion = low + late * (high - low) + curve
-    samples["rate"][before + 1 : after], samples["force"][before + 1 : after] = motion[:, :3], motion[:, 3:]
+    inside = slice(before + 1, after)
+    samples["rate"][inside], samples["force"][inside] = motion[:, _RATE], motion[:, _FORCE]
     if samples["has_field"][before] and samples["has_field"][after]:
         field = samples["field"]
         field[before + 1 : after] = field[before] + t * (field[after] - field[before])
@@ -213,9 +215,13 @@ def _fill(
         samples["has_field"][before + 1 : after] = 0
     share = settings["gap_share"]
     unseen = 0.25 * max(spread[before], spread[after]) ** 2 / 3.0 * min(time_s / _UNSEEN_S, 1.0) ** 2
-    bulge = length / 8.0 * (rise - fall)[:3]
-    rate = share * ((high - low)[:3] ** 2 + (_MEAN_SHARE * (high + low)[:3]) ** 2) + unseen + 0.25 * bulge**2
-    return rate * time_s**2, share * ((high - low)[3:] * time_s) ** 2
+    bulge = length / 8.0 * (rise - fall)[_RATE]
+    rate = (
+        share * ((high - low)[_RATE] ** 2 + (_MEAN_SHARE * (high + low)[_RATE]) ** 2)
+        + unseen
+        + 0.25 * bulge**2
+    )
+    return rate * time_s**2, share * ((high - low)[_FORCE] * time_s) ** 2
 
 
 def _growth(is_clipped: NDArray[np.bool_], settings: np.void) -> Float:
@@ -226,7 +232,7 @@ def _growth(is_clipped: NDArray[np.bool_], settings: np.void) -> Float:
 
 
 def _motion(samples: NDArray[np.void]) -> Float:
-    """Return rate and specific force side by side, shape (K, 6)."""
+    """Return rate (`_RATE`) and specific force (`_FORCE`) side by side, shape (K, 6)."""
     return np.concatenate((samples["rate"], samples["force"]), axis=1)
 
 
@@ -238,9 +244,9 @@ def _rest(samples: NDArray[np.void], settings: np.void) -> NDArray[np.bool_]:
     square = scipy.ndimage.uniform_filter1d(motion**2, window, axis=0, mode="nearest")
     variance = np.maximum(square - mean * mean, 0.0)
     return np.asarray(
-        (variance[:, :3].sum(axis=1) < settings["rest_rate"])
-        & (variance[:, 3:].sum(axis=1) < settings["rest_force"])
-        & ((mean[:, :3] ** 2).sum(axis=1) < _REST_MEAN_RATE**2)
+        (variance[:, _RATE].sum(axis=1) < settings["rest_rate"])
+        & (variance[:, _FORCE].sum(axis=1) < settings["rest_force"])
+        & ((mean[:, _RATE] ** 2).sum(axis=1) < _REST_MEAN_RATE**2)
         & (samples["saturated"] == 0)
     )
 

@@ -26,6 +26,11 @@ _DIAGONAL = STATES + 1
 _T0, _T1, _T2 = STATES * TURN, STATES * (TURN + 1), STATES * (TURN + 2)
 _V0, _V1, _V2 = STATES * VELOCITY, STATES * (VELOCITY + 1), STATES * (VELOCITY + 2)
 _P0, _P1, _P2 = STATES * POSITION, STATES * (POSITION + 1), STATES * (POSITION + 2)
+INNOVATION, VARIANCE, ERROR, BEFORE, ROWS = 3, 4, 5, 6, 7
+"""Rows of the room that `absorb` works in, after its three gains; the filter keeps its error and the attitude
+shown before there."""
+_FIRST, _SECOND, _FIELD, _DELAY, _IRON, _START, ENTRIES = 0, 1, 2, 3, 4, 7, 8
+"""Entries of the row of one component of the field: two of the turn, one each, hard iron's three, the start."""
 _GRAVITY_AVERAGE = 70.0
 """Blocks at rest over which the norm of gravity is averaged at most."""
 
@@ -108,10 +113,10 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
     ----------
     p : ndarray, shape (STATES * STATES,)
     error : ndarray, shape (STATES,)
-    rows : ndarray, shape (5, STATES)
+    rows : ndarray, shape (VARIANCE + 1 or more, STATES)
         Room for the three gains; then, three each, the innovations and the variances. These become the
         innovation left over its variance, and one over this variance: what a backward pass needs.
-    index, value : ndarray, shape (3, 8)
+    index, value : ndarray, shape (3, ENTRIES)
         The first `entries` hold where the row of a measurement is not zero, and what is there.
     entries : int
 
@@ -121,7 +126,7 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
     three passes. The order of the products keeps it symmetric to the last bit.
     """
     first, second, third = rows[0], rows[1], rows[2]
-    innovation, variance = rows[3], rows[4]
+    innovation, variance = rows[INNOVATION], rows[VARIANCE]
     inverse = (1.0, 1.0, 1.0)
     for m in range(3):
         gain, where, what = rows[m], index[m], value[m]
@@ -193,19 +198,36 @@ def hold_place(
     time_s = ticks * settings.step_s
     for a in range(3):
         index[a, 0], value[a, 0] = POSITION + a, 1.0
-        rows[3, a], rows[4, a] = -memory.position[a], settings.position_prior / time_s
+        rows[INNOVATION, a], rows[VARIANCE, a] = -memory.position[a], settings.position_prior / time_s
     absorb(p, error, rows, index, value, 1)
     if not rest:
         return
     for a in range(3):
         index[a, 0] = VELOCITY + a
-        rows[3, a], rows[4, a] = -memory.velocity[a], settings.rest_speed / time_s
+        rows[INNOVATION, a], rows[VARIANCE, a] = -memory.velocity[a], settings.rest_speed / time_s
     absorb(p, error, rows, index, value, 1)
     variance = rest_variance(p, memory, settings, time_s)
     for a in range(3):
         index[a, 0] = BIAS + a
-        rows[3, a], rows[4, a] = memory.mean_rate[a] - memory.bias[a], variance
+        rows[INNOVATION, a], rows[VARIANCE, a] = memory.mean_rate[a] - memory.bias[a], variance
     absorb(p, error, rows, index, value, 1)
+
+
+@borrowing()
+def field_rows(sums: Record, field: Float, share: float, index: NDArray[np.int64], value: Float) -> None:
+    """Fill the rows of a block's mean field: where the three components depend on the error, and how much."""
+    per_field, per_sample = 1.0 / sums.field_count, 1.0 / sums.count
+    bx, by, bz = field[0], field[1], field[2]
+    index[0, _FIRST], value[0, _FIRST], index[0, _SECOND], value[0, _SECOND] = TURN + 1, -bz, TURN + 2, by
+    index[1, _FIRST], value[1, _FIRST], index[1, _SECOND], value[1, _SECOND] = TURN, bz, TURN + 2, -bx
+    index[2, _FIRST], value[2, _FIRST], index[2, _SECOND], value[2, _SECOND] = TURN, -by, TURN + 1, bx
+    for a in range(3):
+        index[a, _FIELD], value[a, _FIELD] = FIELD + a, 1.0
+        index[a, _DELAY], value[a, _DELAY] = DELAY, sums.sum_delay[a] * per_field
+        for c in range(3):
+            index[a, _IRON + c] = IRON + c
+            value[a, _IRON + c] = sums.sum_rotation[3 * a + c] * per_sample
+        index[a, _START], value[a, _START] = START + a, share
 
 
 @borrowing()
@@ -222,21 +244,12 @@ def see_field(
 
     mean R (m - iron) = FIELD + share START + [FIELD x] turn + R iron + delay mean R (w x m) + noise.
     """
-    per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
-    share = memory.start_share
-    bx, by, bz = memory.field[0], memory.field[1], memory.field[2]
-    index[0, 0], value[0, 0], index[0, 1], value[0, 1] = TURN + 1, -bz, TURN + 2, by
-    index[1, 0], value[1, 0], index[1, 1], value[1, 1] = TURN, bz, TURN + 2, -bx
-    index[2, 0], value[2, 0], index[2, 1], value[2, 1] = TURN, -by, TURN + 1, bx
+    per_field, share = 1.0 / memory.field_count, memory.start_share
+    field_rows(memory, memory.field, share, index, value)
     for a in range(3):
-        index[a, 2], value[a, 2] = FIELD + a, 1.0
-        index[a, 3], value[a, 3] = DELAY, memory.sum_delay[a] * per_field
-        for c in range(3):
-            index[a, 4 + c], value[a, 4 + c] = IRON + c, memory.sum_rotation[3 * a + c] * per_sample
-        index[a, 7], value[a, 7] = START + a, share
-        rows[3, a] = memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]
-        rows[4, a] = variance
-    absorb(p, error, rows, index, value, 8 if share > 0.0 else 7)
+        rows[INNOVATION, a] = memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]
+        rows[VARIANCE, a] = variance
+    absorb(p, error, rows, index, value, ENTRIES if share > 0.0 else _START)
 
 
 @borrowing()
@@ -259,4 +272,18 @@ def inject(memory: Record, error: Float) -> None:
         error[i] = 0.0
 
 
-__all__ = ["absorb", "hold_place", "inject", "move", "predict", "see_field"]
+__all__ = [
+    "BEFORE",
+    "ENTRIES",
+    "ERROR",
+    "INNOVATION",
+    "ROWS",
+    "VARIANCE",
+    "absorb",
+    "field_rows",
+    "hold_place",
+    "inject",
+    "move",
+    "predict",
+    "see_field",
+]

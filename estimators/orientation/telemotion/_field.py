@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import multiply, normalized, wrapped
+from estimators._kernels import Scalars3, multiply, normalized, wrapped
 from estimators.kernels import Record, borrowing
-from estimators.orientation.telemotion._block import absorb
+from estimators.orientation.telemotion._block import INNOVATION, VARIANCE, absorb
 from estimators.orientation.telemotion._records import FIELD, IRON, START, STATES, TURN
 from estimators.recording import Float
 
@@ -24,11 +24,17 @@ _UNLIKELY = 0.1
 _LARGEST_VARIANCE = 1.0
 _NO_BELIEF = math.log(1.0 / 3.0)
 HYPOTHESES = 9
-_SUB = 11
+_H_TURN, _H_FIELD, _H_IRON, _H_START, _SUB = 0, 3, 5, 8, 11
 """States that a hypothesis moves: turn, horizontal field, hard iron, field at the start."""
+_X, _Y, _Z = _H_TURN, _H_TURN + 1, _H_TURN + 2
+_EAST, _NORTH, _START_EAST, _START_NORTH = _H_FIELD, _H_FIELD + 1, _H_START, _H_START + 1
+_LIKELY, _HEADING, _OF_HEADING, _TILT_X, _TILT_Y, _RESULTS = range(6)
+"""What is found for each: log likelihood, heading and its variance, small tilt."""
+_STARTS = 3
+"""Hypotheses on the start place to each on hard iron."""
 _TABLE = _SUB * (_SUB + 1)
 _FOUND = 3 * _TABLE
-WORK = _FOUND + 5 * HYPOTHESES
+WORK = _FOUND + _RESULTS * HYPOTHESES
 
 
 @borrowing()
@@ -156,13 +162,13 @@ def open_iron(
 ) -> None:
     """Make the hard iron unknown again, having settled what it was before: its likeliest hypothesis."""
     narrow = odds[0] + odds[1] + odds[2]
-    middle = odds[3] + odds[4] + odds[5]
+    middle = odds[_STARTS] + odds[_STARTS + 1] + odds[_STARTS + 2]
     if memory.opened == 0 and max(narrow, middle) >= 1.0 - narrow - middle:
         variance = settings.iron_narrow if narrow >= middle else settings.iron_middle
         for a in range(3):
             index[a, 0], value[a, 0] = IRON + a, 1.0
-            rows[3, a] = memory.iron_known[a] - memory.iron[a]
-            rows[4, a] = variance + memory.iron_known_variance
+            rows[INNOVATION, a] = memory.iron_known[a] - memory.iron[a]
+            rows[VARIANCE, a] = variance + memory.iron_known_variance
         absorb(p, error, rows, index, value, 1)
     for a in range(3):
         p[(STATES + 1) * (IRON + a)] += settings.iron_wide
@@ -172,13 +178,13 @@ def open_iron(
 @borrowing("int64(int64)")
 def _moved_state(i: int) -> int:
     """Return the error state in place `i` of those that a hypothesis moves."""
-    if i < 3:
+    if i < _H_FIELD:
         return TURN + i
-    if i < 5:
-        return FIELD + i - 3
-    if i < 8:
-        return IRON + i - 5
-    return START + i - 8
+    if i < _H_IRON:
+        return FIELD + i - _H_FIELD
+    if i < _H_START:
+        return IRON + i - _H_IRON
+    return START + i - _H_START
 
 
 @borrowing("float64(float64[::1], int64, int64, float64, float64, float64)")
@@ -197,8 +203,8 @@ def _suppose(table: Float, first: int, row: int, target: float, own: float, wide
     for i in range(_SUB):
         table[at_shift + i] += table[at_row + i] * inverse * innovation
     # Turn about x and y is only shifted, and once the start place is looked at, so is the iron.
-    for i in range(2, _SUB):
-        if i != row and (row < 8 or i < 5 or i >= 8):
+    for i in range(_Z, _SUB):
+        if i != row and (row < _H_START or i < _H_IRON or i >= _H_START):
             factor = table[at_row + i] * inverse
             for j in range(_SUB):
                 table[first + _SUB * i + j] -= factor * table[at_row + j]
@@ -207,6 +213,16 @@ def _suppose(table: Float, first: int, row: int, target: float, own: float, wide
     for j in range(_SUB):
         table[at_row + j] *= factor
     return float(0.5 * (math.log(wide / own * variance / total) - innovation * innovation * inverse))
+
+
+@borrowing("UniTuple(float64, 3)(float64[:, ::1], float64)", inlined=True)
+def _field_seen(cov: Float, part: float) -> Scalars3:
+    """Return variances of the field east and north, with `part` of that at the start, and their covariance."""
+    east = cov[_EAST, _EAST] + part * (2.0 * cov[_EAST, _START_EAST] + part * cov[_START_EAST, _START_EAST])
+    across = cov[_NORTH, _START_NORTH]
+    north = cov[_NORTH, _NORTH] + part * (2.0 * across + part * cov[_START_NORTH, _START_NORTH])
+    crossed = cov[_EAST, _START_NORTH] + cov[_NORTH, _START_EAST] + part * cov[_START_EAST, _START_NORTH]
+    return east, north, cov[_EAST, _NORTH] + part * crossed
 
 
 @borrowing()
@@ -219,7 +235,7 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
     the table) costs nothing once turning has shown it.
     """
     region = settings.region_base + settings.region_share * memory.region
-    found = work[_FOUND:].reshape(5, HYPOTHESES)
+    found = work[_FOUND:].reshape(_RESULTS, HYPOTHESES)
     for i in range(_SUB):
         source = STATES * _moved_state(i)
         for j in range(_SUB):
@@ -233,7 +249,7 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
     kinds = 1 if memory.opened > 0 else 3  # once the iron has changed, what it was says nothing any more
     for h in range(HYPOTHESES):
         odds[h] = 0.0
-        found[0, h] = -np.inf
+        found[_LIKELY, h] = -np.inf
     for iron in range(kinds):
         own = settings.iron_narrow if iron == 0 else settings.iron_middle
         own += memory.iron_known_variance
@@ -246,9 +262,9 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
         if kinds > 1 and iron < 2:
             for a in range(3):
                 target = memory.iron_known[a] - memory.iron[a]
-                iron_odds += _suppose(work, _TABLE, 5 + a, target, own, wide)
-        for start in range(3):
-            h = 3 * iron + start
+                iron_odds += _suppose(work, _TABLE, _H_IRON + a, target, own, wide)
+        for start in range(_STARTS):
+            h = _STARTS * iron + start
             logarithm = iron_odds + (narrow_start if start == 0 else middle_start)
             if start == 2:
                 logarithm = iron_odds + math.log1p(-math.exp(narrow_start) - math.exp(middle_start))
@@ -259,51 +275,52 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
                 for a in range(3):
                     target = -memory.start[a]
                     logarithm += _suppose(
-                        work, 2 * _TABLE, 8 + a, target, own_start + region, settings.start_wide
+                        work, 2 * _TABLE, _H_START + a, target, own_start + region, settings.start_wide
                     )
             else:
                 own_start = settings.start_wide
             cov = work[2 * _TABLE : 3 * _TABLE].reshape(_SUB + 1, _SUB)
             shift = cov[_SUB]
             part = region / (region + own_start)
-            east = memory.field[0] + shift[3] + part * (memory.start[0] + shift[8])
-            north = memory.field[1] + shift[4] + part * (memory.start[1] + shift[9])
+            east = memory.field[0] + shift[_EAST] + part * (memory.start[0] + shift[_START_EAST])
+            north = memory.field[1] + shift[_NORTH] + part * (memory.start[1] + shift[_START_NORTH])
             level = east * east + north * north + 1e-9
             by_east, by_north = north / level, -east / level
-            found[0, h] = logarithm
-            found[1, h] = math.atan2(east, north) + shift[2]
-            found[2, h] = (
-                cov[2, 2]
-                + 2.0 * by_east * (cov[2, 3] + part * cov[2, 8])
-                + 2.0 * by_north * (cov[2, 4] + part * cov[2, 9])
-                + by_east * by_east * (cov[3, 3] + part * (2.0 * cov[3, 8] + part * cov[8, 8]))
-                + by_north * by_north * (cov[4, 4] + part * (2.0 * cov[4, 9] + part * cov[9, 9]))
-                + 2.0 * by_east * by_north * (cov[3, 4] + part * (cov[3, 9] + cov[4, 8] + part * cov[8, 9]))
+            of_east, of_north, of_both = _field_seen(cov, part)
+            found[_LIKELY, h] = logarithm
+            found[_HEADING, h] = math.atan2(east, north) + shift[_Z]
+            found[_OF_HEADING, h] = (
+                cov[_Z, _Z]
+                + 2.0 * by_east * (cov[_Z, _EAST] + part * cov[_Z, _START_EAST])
+                + 2.0 * by_north * (cov[_Z, _NORTH] + part * cov[_Z, _START_NORTH])
+                + by_east * by_east * of_east
+                + by_north * by_north * of_north
+                + 2.0 * by_east * by_north * of_both
                 + part * own_start / level
             )
-            found[3, h], found[4, h] = shift[0], shift[1]
+            found[_TILT_X, h], found[_TILT_Y, h] = shift[_X], shift[_Y]
             best = max(best, logarithm)
     total = 0.0
-    for h in range(3 * kinds):
-        odds[h] = math.exp(found[0, h] - best)
+    for h in range(_STARTS * kinds):
+        odds[h] = math.exp(found[_LIKELY, h] - best)
         total += odds[h]
     cosine = sine = tilt_x = tilt_y = own_variance = counted = 0.0
-    for h in range(3 * kinds):
+    for h in range(_STARTS * kinds):
         odds[h] /= total
-        cosine += odds[h] * math.cos(found[1, h])
-        sine += odds[h] * math.sin(found[1, h])
-        tilt_x += odds[h] * found[3, h]
-        tilt_y += odds[h] * found[4, h]
+        cosine += odds[h] * math.cos(found[_HEADING, h])
+        sine += odds[h] * math.sin(found[_HEADING, h])
+        tilt_x += odds[h] * found[_TILT_X, h]
+        tilt_y += odds[h] * found[_TILT_Y, h]
         if odds[h] > _UNLIKELY:
-            own_variance += odds[h] * min(found[2, h], _LARGEST_VARIANCE)
+            own_variance += odds[h] * min(found[_OF_HEADING, h], _LARGEST_VARIANCE)
             counted += odds[h]
     heading = math.atan2(sine, cosine)
     scale = settings.heading_scale
     if memory.start_moving > 0.0 and memory.since_start < settings.convergence_ticks:
         scale = 1.0
     variance = scale * own_variance / counted
-    for h in range(3 * kinds):
-        variance += odds[h] * wrapped(found[1, h] - heading) ** 2
+    for h in range(_STARTS * kinds):
+        variance += odds[h] * wrapped(found[_HEADING, h] - heading) ** 2
     memory.heading_variance = variance
     # The small tilt of the hypotheses first, then the turn to north.
     w, x, y, z = multiply(

@@ -9,7 +9,17 @@ from estimators._kernels import exponential, kernel, multiply
 from estimators.kernels import Record, borrowing
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import Estimates, Ticks, run_signature
-from estimators.orientation.telemotion._block import hold_place, inject, move, predict, see_field
+from estimators.orientation.telemotion._block import (
+    BEFORE,
+    ENTRIES,
+    ERROR,
+    ROWS,
+    hold_place,
+    inject,
+    move,
+    predict,
+    see_field,
+)
 from estimators.orientation.telemotion._field import (
     WORK,
     field_variance,
@@ -75,7 +85,7 @@ def end_block(
     work: Float,
 ) -> None:
     """Run the filter over the sums of a block and move its error into the estimate."""
-    error, before = rows[5], rows[6]
+    error, before = rows[ERROR], rows[BEFORE]
     shown(memory, memory.q, before)
     ticks = float(memory.count)
     time_s = ticks * settings.step_s
@@ -325,7 +335,8 @@ def run(
     out: Estimates,
 ) -> None:
     """Filter K ticks of S sensors; `state` and `covariance` (S, STATES, STATES) are carried on."""
-    rows, index, value = np.zeros((7, STATES)), np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
+    rows = np.zeros((ROWS, STATES))
+    index, value = np.zeros((3, ENTRIES), dtype=np.int64), np.zeros((3, ENTRIES))
     samples, work, q = np.zeros(2, SAMPLE), np.zeros(WORK), np.zeros(4)
     flat = covariance.reshape(covariance.shape[0], STATES * STATES)
     for s in range(ticks.quality.shape[0]):

@@ -11,6 +11,7 @@ from estimators.orientation._strapdown_steps import Estimates, Ticks, run_signat
 from estimators.orientation.vqf._quality import annotate, annotate_missing
 from estimators.orientation.vqf._steps import (
     SETTINGS,
+    SETTLED_S,
     STATE,
     correct_inclination,
     low_pass,
@@ -86,7 +87,7 @@ def correct_heading(x: Record, c: Record, mx: float, my: float, mz: float, value
     if c.rejects:
         norm = math.sqrt(mx * mx + my * my + mz * mz)
         values[0], values[1] = norm, -math.asin(min(max(mz / norm, -1.0), 1.0))
-        if c.field_low_pass[5] > 0.0:
+        if c.field_low_pass[SETTLED_S] > 0.0:
             low_pass(x.field_filter, c.field_low_pass, c.step_s, 2, values)
         judge_field(x, c, values[0], values[1])
     away = math.atan2(mx, my) - x.delta

@@ -13,13 +13,14 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.kernels import Record, record, step
 from estimators.recording import Float
 
+B0, B1, B2, A1, A2, SETTLED_S, COEFFICIENTS = range(7)
+"""Coefficients of a low-pass, then its time constant: until then it is the mean."""
 SETTINGS = record(
     [
         ("step_s", "f8"),
-        # Coefficients b0 b1 b2 a1 a2 of a low-pass, then its time constant.
-        ("force_low_pass", "f8", 6),
-        ("rest_low_pass", "f8", 6),
-        ("field_low_pass", "f8", 6),
+        ("force_low_pass", "f8", COEFFICIENTS),
+        ("rest_low_pass", "f8", COEFFICIENTS),
+        ("field_low_pass", "f8", COEFFICIENTS),
         ("heading_gain", "f8"),
         ("reference_gain", "f8"),
         ("learns_in_motion", "i8"),
@@ -99,7 +100,8 @@ _EPSILON = 2.0**-52
 def low_pass(memory: Float, coefficients: Float, step_s: float, channels: int, values: Float) -> None:
     """Replace `values` by their second-order low-pass; the mean, for the first time constant."""
     count = memory[0]
-    b0, b1, b2, a1, a2 = coefficients[0], coefficients[1], coefficients[2], coefficients[3], coefficients[4]
+    b0, b1, b2 = coefficients[B0], coefficients[B1], coefficients[B2]
+    a1, a2 = coefficients[A1], coefficients[A2]
     if count < 0.0:
         for i in range(channels):
             first = 1 + 2 * i
@@ -115,7 +117,7 @@ def low_pass(memory: Float, coefficients: Float, step_s: float, channels: int, v
         first = 1 + 2 * i
         memory[first] += values[i]
         values[i] = memory[first] / count
-    if count * step_s >= coefficients[5]:
+    if count * step_s >= coefficients[SETTLED_S]:
         memory[0] = _RUNNING
         for i in range(channels):
             first = 1 + 2 * i
@@ -314,6 +316,7 @@ def correct_inclination(
 
 __all__ = [
     "SETTINGS",
+    "SETTLED_S",
     "STATE",
     "correct_inclination",
     "low_pass",

@@ -19,8 +19,9 @@ from estimators.orientation import OrientationFlag
 from estimators.pipelines.walk.layout import SCALARS, SPEED, STANCE, STRIDE_LENGTH, TOE_OUT
 from estimators.recording import Float
 
-_P, _V, _Q, _SIGMA = at.P, at.V, at.Q, at.STATE
-_STANDS: Final = at.STATE + 7
+_P, _V, _Q = at.P, at.V, at.Q
+_PLACE_SIGMA, _TURN_SIGMA, _AFTER_SIGMA = at.POSITION_SIGMA, at.ATTITUDE_SIGMA, at.STATISTIC
+_STANDS: Final = at.STANDS
 _PER_FOOT: Final = len(SCALARS)
 _UNKNOWN: Final = int(FootFlag.INVALID | FootFlag.NO_STANCE)
 _NOTHING, _ANEW, _LOST, _BRIDGED, _CLIPPED = (
@@ -178,9 +179,9 @@ def _write_common(
                 foot &= ~_LOST
             row[at_flags + f] = _flags_of(foot)
             a = at_flags + count + 3 * f
-            _write_level(values[s, k, _SIGMA + 3 : _SIGMA + 6], row[a : a + 3])
+            _write_level(values[s, k, _TURN_SIGMA:_AFTER_SIGMA], row[a : a + 3])
             b = at_flags + 4 * count + 3 * f
-            _write_level(values[s, k, _SIGMA : _SIGMA + 3], row[b : b + 3])
+            _write_level(values[s, k, _PLACE_SIGMA:_TURN_SIGMA], row[b : b + 3])
 
 
 @compiled(VOID(_F3, _FLAGS, _FEET, _F2))

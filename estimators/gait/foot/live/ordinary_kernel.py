@@ -23,7 +23,8 @@ from estimators.kernels import VOID, step
 from estimators.recording import Float
 
 _STATE: Final = at.STATE
-_SIGMA, _T, _STANDS = at.STATE, at.STATE + 6, at.STATE + 7
+_SIGMA, _TILT_X, _TILT_Y = at.POSITION_SIGMA, at.ATTITUDE_SIGMA, at.ATTITUDE_SIGMA + 1
+_T, _STANDS = at.STATISTIC, at.STANDS
 _STANCE, _HEADING, _STARTED = at.STANCE, at.HEADING, at.STARTED
 _NO_STANCE: Final = int(FootFlag.NO_STANCE)
 _F1, _F3 = types.float64[::1], types.float64[:, :, ::1]
@@ -272,9 +273,7 @@ def _write(
         j = x.judged_place + k
         stands = rows.bits[s, j] & _STANCE != 0 and rows.inputs[s, 1, j] < UNREST
         if not is_known:
-            is_known = (
-                stands and values[k, _SIGMA + 3] < TILT_KNOWN_RAD and values[k, _SIGMA + 4] < TILT_KNOWN_RAD
-            )
+            is_known = stands and values[k, _TILT_X] < TILT_KNOWN_RAD and values[k, _TILT_Y] < TILT_KNOWN_RAD
             stands = is_known
         tick = x.released + k
         if stands:

@@ -13,8 +13,6 @@ from estimators.gait.foot import lost_places
 from estimators.kernels import bundle, record, rows
 from estimators.recording import Float
 
-COLUMNS: Final = at.STATE + 6 + 2
-"""What is released of a sample: state, sigma of position and attitude, T, and whether it is stance."""
 BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8
 """What there is to say of a sample: how it came about, and whether a magnetic field came with it; the bits above are
 those of the axes that were cut off (`CutOffAxes`)."""
@@ -201,7 +199,6 @@ SIZES: Final = types.NamedUniTuple(types.int64, len(Sizes._fields), Sizes)
 __all__ = [
     "BRIDGED",
     "CLIPPED",
-    "COLUMNS",
     "FIELD",
     "FOOT_ROWS",
     "MISSING",

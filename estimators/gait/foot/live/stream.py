@@ -12,7 +12,7 @@ from estimators.gait.foot import layout as at
 from estimators.gait.foot.filter import root, settings_of, start_covariance, start_state
 from estimators.gait.foot.kernel import FootState, FootTicks, Trace
 from estimators.gait.foot.live.judged import JudgedSamples
-from estimators.gait.foot.live.rows import BRIDGED, CLIPPED, COLUMNS, MISSING, FootRows, Sizes
+from estimators.gait.foot.live.rows import BRIDGED, CLIPPED, MISSING, FootRows, Sizes
 from estimators.gait.foot.live.samples import FootSamples
 from estimators.gait.foot.lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait.foot.parameters import FootParameters
@@ -119,7 +119,7 @@ class FootStream:
         end = taken if is_end else max(taken - self.windows.ahead, 0)
         values, flags = [], []
         if not is_end and end < self.released + self.lag + self.block:
-            return np.empty((0, COLUMNS)), np.empty(0, dtype=np.uint8)
+            return np.empty((0, at.COLUMNS)), np.empty(0, dtype=np.uint8)
         if first >= 0 and end > max(self.filtered, first):
             self.samples.find_statistic(is_end)
             known = max(first, self._origin + self.judged.count)
@@ -139,7 +139,7 @@ class FootStream:
             flags.append(marks)
         self._trim()
         if not values:
-            return np.empty((0, COLUMNS)), np.empty(0, dtype=np.uint8)
+            return np.empty((0, at.COLUMNS)), np.empty(0, dtype=np.uint8)
         return np.concatenate(values), np.concatenate(flags)
 
     def _filter(self, boundary: int) -> None:
@@ -220,9 +220,9 @@ class FootStream:
     def _release(self, boundary: int, upto: int) -> tuple[Float, NDArray[np.uint8]]:
         """Smooth back from a boundary and give away the ticks up to `upto`."""
         count = upto - self.released
-        values = np.zeros((count, COLUMNS))
+        values = np.zeros((count, at.COLUMNS))
         values[:, at.Q] = 1.0
-        values[:, at.STATE : at.STATE + 6] = np.inf
+        values[:, at.SIGMAS] = np.inf
         flags = np.full(count, _INVALID | _NO_STANCE, dtype=np.uint8)
         first = self.samples.first
         known = max(self.released, first)
@@ -246,15 +246,15 @@ class FootStream:
         """Write the ticks `[first, upto)`, judged by those up to a boundary, and return their flags."""
         given = upto - first
         state = np.empty((given, at.STATE))
-        base, sigma = int(self._at["base"]), values[:, at.STATE : at.STATE + 6]
+        base, sigma = int(self._at["base"]), values[:, at.SIGMAS]
         kernel.backward(base, base + given, base + boundary - first, self._trace, np.zeros(at.ERRORS), state)
         values[:, : at.STATE] = state
         sigma[:] = root(self._trace.spread[base : base + given])
         kind = self.samples.kind[self.samples.place(first, upto)]
-        is_level = np.asarray((sigma[:, 3:5] < TILT_KNOWN_RAD).all(axis=1))
+        is_level = np.asarray((sigma[:, at.SIGMA_ATTITUDE : at.SIGMA_HEADING] < TILT_KNOWN_RAD).all(axis=1))
         stands, last = self._believed(first, self.judged.stands(given), is_level)
-        values[:, at.STATE + 6] = self.judged.inputs[1, :given]
-        values[:, at.STATE + 7] = stands
+        values[:, at.STATISTIC] = self.judged.inputs[1, :given]
+        values[:, at.STANDS] = stands
         flags = self._flags(first, last, kind) | self._lost.widen(
             state[:, at.P : at.P + 3], sigma, (kind & MISSING) != 0, first, self._with_field
         )
@@ -271,7 +271,7 @@ class FootStream:
         flags : ndarray of uint8, shape (K,)
         """
         if self._lost.is_lost:
-            sigma = values[:, at.STATE : at.STATE + 6]
+            sigma = values[:, at.SIGMAS]
             flags |= self._lost.widen(
                 values[:, at.P : at.P + 3], sigma, np.zeros(len(flags), dtype=np.bool_), first, {}
             )

@@ -15,7 +15,6 @@ from estimators.gait.foot.live import ordinary_kernel
 from estimators.gait.foot.live.rows import (
     BRIDGED,
     CLIPPED,
-    COLUMNS,
     MISSING,
     PIECE_TICKS,
     FootRows,
@@ -169,7 +168,7 @@ class FootTracker:
         first = streams[0].released
         blocks = (streams[0].samples.stop - sizes.ahead - first - sizes.lag) // sizes.block
         ticks = max(blocks, 0) * sizes.block
-        values = np.empty((len(streams), ticks, COLUMNS))
+        values = np.empty((len(streams), ticks, at.COLUMNS))
         flags = np.empty((len(streams), ticks), dtype=np.uint8)
         if not ticks:
             return values, flags
@@ -196,7 +195,6 @@ class FootTracker:
 
     def _chunk(self, first: int, released: Released) -> FootChunk:
         values, flags = released
-        sigma = values[:, :, at.STATE :]
         return FootChunk(
             first_tick=max(self._first_tick, 0) + first,
             time_step_s=self._guard.time_step_s,
@@ -204,10 +202,10 @@ class FootTracker:
             velocity_mps=values[:, :, at.V : at.V + 3],
             q_world_sensor=values[:, :, at.Q : at.Q + 4],
             pivot_m=values[:, :, at.PIVOT : at.PIVOT + 3],
-            position_sigma_m=sigma[:, :, 0:3],
-            attitude_sigma_rad=sigma[:, :, 3:6],
-            statistic=values[:, :, COLUMNS - 2],
-            is_stance=values[:, :, COLUMNS - 1] > 0.0,
+            position_sigma_m=values[:, :, at.POSITION_SIGMA : at.ATTITUDE_SIGMA],
+            attitude_sigma_rad=values[:, :, at.ATTITUDE_SIGMA : at.STATISTIC],
+            statistic=values[:, :, at.STATISTIC],
+            is_stance=values[:, :, at.STANDS] > 0.0,
             flags=flags,
         )
 
