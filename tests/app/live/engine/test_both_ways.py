@@ -1,6 +1,7 @@
 """The pooled engine and the general way give the same bits: blocks of frames, final states, what is counted."""
 
 import asyncio
+import math
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,12 @@ SECONDS = 6.0
 def no_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks of the first seconds run in a process of their own, whenever it has time."""
     monkeypatch.setattr("app.live.checks.first_seconds.CheckTurns.begin", lambda _: False)
+
+
+@pytest.fixture(autouse=True)
+def shows_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where much else runs turns are late, and a view would be shown less."""
+    monkeypatch.setattr("app.live.engine.turns.LATE_S", math.inf)
 
 
 def shown(frames: Subscription) -> bytes:

@@ -1,6 +1,7 @@
 """Walks with and without forces, and magnetic sources: the pooled engine and the general way give the same bits."""
 
 import asyncio
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -38,6 +39,12 @@ SECONDS = 14.0
 def no_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks of the first seconds run in a process of their own, whenever it has time."""
     monkeypatch.setattr("app.live.checks.first_seconds.CheckTurns.begin", lambda _: False)
+
+
+@pytest.fixture(autouse=True)
+def shows_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where much else runs turns are late, and a view would be shown less."""
+    monkeypatch.setattr("app.live.engine.turns.LATE_S", math.inf)
 
 
 @pytest.fixture
