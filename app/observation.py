@@ -18,6 +18,7 @@ from app.edge.readiness import Readiness
 from app.edge.registry import Histogram, Registry
 from app.ingest.websocket import metrics as ingest
 from app.live.bus import MemoryBus
+from app.live.engine.turns import PooledEngine
 from app.live.manager import LiveManager
 from app.live.session.states import STREAMING
 from app.recordings.analysis.jobs import JobDone, JobRunner
@@ -55,6 +56,24 @@ _BUS: Final = {
 }
 
 
+def _observe_turns(registry: Registry, pooled: PooledEngine) -> None:
+    """Register what the pooled engine counts."""
+    registry.counter(
+        "live_packets_total",
+        "Packets taken many at a time, and those that took the general way.",
+        lambda: _by("way", Counter(pooled=pooled.ordinary, general=pooled.rare)),
+    )
+    registry.counter("live_turns_total", "Turns in which packets were taken.", lambda: pooled.turns)
+    registry.gauge(
+        "live_longest_turn_seconds", "Longest turn since the start.", lambda: pooled.longest_turn_s
+    )
+    registry.counter(
+        "live_unshown_total",
+        "Blocks that views went without because turns were late.",
+        lambda: pooled.unshown,
+    )
+
+
 async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     """Return the metrics of the running service.
 
@@ -89,21 +108,7 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     registry.counter(
         "live_refused_total", "Times a gateway was sent away from a full machine.", lambda: admission.refused
     )
-    pooled = services.get(LiveManager).pooled
-    registry.counter(
-        "live_packets_total",
-        "Packets taken many at a time, and those that took the general way.",
-        lambda: _by("way", Counter(pooled=pooled.ordinary, general=pooled.rare)),
-    )
-    registry.counter("live_turns_total", "Turns in which packets were taken.", lambda: pooled.turns)
-    registry.gauge(
-        "live_longest_turn_seconds", "Longest turn since the start.", lambda: pooled.longest_turn_s
-    )
-    registry.counter(
-        "live_unshown_total",
-        "Blocks that views went without because turns were late.",
-        lambda: pooled.unshown,
-    )
+    _observe_turns(registry, services.get(LiveManager).pooled)
     registry.gauge("views", "3D scenes that stand.", lambda: services.get(Viewer).stage_count)
     registry.counter(
         "sign_ins_refused_total", "Sign-ins refused.", lambda: services.get(RefusedSignIns).refused
