@@ -6,7 +6,19 @@ Programs and logs read the English words; the client writes the same code and pa
 
 from typing import Final
 
-from app.sentences import accounts, clinical, files, general, guides, live, recordings, tables, tasks, wire
+from app.sentences import (
+    accounts,
+    clinical,
+    files,
+    general,
+    guides,
+    live,
+    measures,
+    recordings,
+    tables,
+    tasks,
+    wire,
+)
 from estimators import sentences as of_estimators
 from estimators.sentences import Catalogue, Entry, Sentence
 
@@ -20,6 +32,7 @@ ENGLISH: Final[dict[str, Entry]] = {
     **tables.ENGLISH,
     **guides.ENGLISH,
     **live.ENGLISH,
+    **measures.ENGLISH,
     **tasks.ENGLISH,
     **wire.ENGLISH,
 }

@@ -16,8 +16,10 @@ from estimators.sentences._formats import is_of_codes
 ROOT = Path(__file__).resolve().parents[2]
 SAID_BY_LIBRARY = ("text.lines",)
 """By `Catalogue.together`."""
-KINDS = {"place", "side", "level", "state"}
-"""Names that places may refer to as whole lists; the others only where a place does."""
+KINDS = {"place", "side", "level", "state"} | {
+    f"measure_name.{one}" for one in ("repetition", "uneven", "walk")
+}
+"""Names that places may refer to as whole lists, or that the client says labels with; others where a place does."""
 
 
 def said() -> list[tuple[str, str | None, frozenset[str]]]:

@@ -1,4 +1,5 @@
 import { createTheme, type MantineColorsTuple } from '@mantine/core';
+import { currentLanguage } from './i18n';
 
 // One accent: a quiet deep teal. White on its sixth shade has a contrast of 6.6 to 1.
 const accent: MantineColorsTuple = [
@@ -53,7 +54,14 @@ export const theme = createTheme({
     Button: { defaultProps: { size: 'md' } },
     TextInput: { defaultProps: { size: 'md' } },
     PasswordInput: { defaultProps: { size: 'md' } },
-    NumberInput: { defaultProps: { size: 'md' } },
+    // Both marks are understood; which one is written follows the language, which is known when the field is drawn.
+    NumberInput: {
+      defaultProps: () => ({
+        size: 'md',
+        decimalSeparator: currentLanguage() === 'de' ? ',' : '.',
+        allowedDecimalSeparators: ['.', ','],
+      }),
+    },
     Textarea: { defaultProps: { size: 'md' } },
     Select: { defaultProps: { size: 'md', allowDeselect: false } },
     Checkbox: { defaultProps: { size: 'md' } },

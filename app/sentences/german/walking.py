@@ -80,6 +80,23 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "walk.too_long": "Fuß {side:side}: Doppelschritte von {length_m:m} sind länger als die irgendeines gehenden"
     " Menschen. Prüfen Sie Einheiten, Achsen und Abtastrate der Aufzeichnung.",
     "walk.too_short": "Ein Fuß braucht mindestens {least_s:s.1} an Messwerten; diese Aufzeichnung ist zu kurz.",
+    "measure_name.walk.cadence": "Kadenz",
+    "measure_name.walk.centre_to_left": "Körperschwerpunkt links der Mitte, im Gehen",
+    "measure_name.walk.clearance": "Fußhub in der Schwungphase",
+    "measure_name.walk.double_support_share": "Beide Füße am Boden, Anteil am Doppelschritt",
+    "measure_name.walk.margin": "Stabilitätsreserve, kleinste je Sekunde",
+    "measure_name.walk.speed": "Gehgeschwindigkeit, gleichmäßige Doppelschritte",
+    "measure_name.walk.stance_share": "Standphase, Anteil am Doppelschritt",
+    "measure_name.walk.step_width": "Schrittbreite",
+    "measure_name.walk.stride_length": "Doppelschrittlänge, gleichmäßige Doppelschritte",
+    "measure_name.walk.test_distance": "Strecke, ganzer Gang",
+    "measure_name.walk.test_time": "Dauer des Tests, ganzer Gang",
+    "measure_name.walk.toe_out": "Zehen nach außen gedreht",
+    "measure_name.walk.walk_ratio": "Gangverhältnis: Schrittlänge durch Schritte pro Sekunde",
+    "measure_name.walk.weight_on_left": "Gewicht auf dem linken Fuß, im Stehen",
+    "measure_name.uneven.stance_share": "Standphase, links gegenüber rechts",
+    "measure_name.uneven.step_time": "Schrittdauer, links gegenüber rechts",
+    "measure_name.uneven.stride_length": "Doppelschrittlänge, links gegenüber rechts",
 }
 
 __all__ = ["GERMAN"]

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, it } from 'vitest';
 import { currentLanguage, speakWith, t } from '../../src/i18n';
 import { words as english } from '../../src/i18n/en';
 import { chooseHere, chosenHere, sentencesReady, speakLanguage, wanted } from '../../src/i18n/languages';
-import { words } from '../../src/i18n/sentence';
+import { inOurWords, words } from '../../src/i18n/sentence';
 
 beforeEach(() => localStorage.clear());
 afterEach(() => speakWith('en', english));
@@ -34,4 +34,27 @@ it('says words and sentences in the language that was loaded', async () => {
   await speakLanguage('en');
   expect(t('action.save')).toBe('Save');
   expect(words('Slower.', { code: 'guidance.slower', params: {} })).toBe('Slower.');
+});
+
+it('labels measures and curves anew, which the service labels in English', async () => {
+  const answer = () => ({
+    curve: { channel: 'humerus_forearm_right_zxy_flexion', label: 'Elbow flexion' },
+    measures: [
+      { measure: 'range:thorax_humerus_left_yxy_elevation', label: 'Shoulder elevation, range of motion' },
+      { measure: 'walk:stride_length:left', label: 'Stride length, steady strides, left' },
+      { measure: 'walk:uneven:step_time', label: 'Step time, left compared with right' },
+      { measure: 'of_a_newer_service', label: 'Something new' },
+    ],
+  });
+  expect(inOurWords(answer())).toEqual(answer());
+  await speakLanguage('de');
+  await sentencesReady();
+  const said = inOurWords(answer());
+  expect(said.curve.label).toBe('Ellbogenflexion');
+  expect(said.measures.map((one) => one.label)).toEqual([
+    'Schulterelevation, Bewegungsumfang',
+    'Doppelschrittlänge, gleichmäßige Doppelschritte, links',
+    'Schrittdauer, links gegenüber rechts',
+    'Something new',
+  ]);
 });

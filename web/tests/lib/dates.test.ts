@@ -1,4 +1,7 @@
-import { expect, it } from 'vitest';
+import { speakWith } from '../../src/i18n';
+import { words as german } from '../../src/i18n/de';
+import { words as english } from '../../src/i18n/en';
+import { afterEach, describe, expect, it } from 'vitest';
 import { dayWords, readDay } from '../../src/lib/dates';
 
 it.each([
@@ -16,4 +19,16 @@ it.each([
 it('shows what it understood, so that day and month cannot be mixed up', () => {
   expect(dayWords('1961-04-03')).toBe('3 Apr 1961');
   expect(readDay(dayWords('1961-04-03'))).toBe('1961-04-03');
+});
+
+describe('a day in German', () => {
+  afterEach(() => speakWith('en', english));
+
+  it('is read by the names of German months and written in figures', () => {
+    speakWith('de', german);
+    expect(readDay('31. März 2025')).toBe('2025-03-31');
+    expect(readDay('5. Dez. 2025')).toBe('2025-12-05');
+    expect(dayWords('2025-03-31')).toBe('31.03.2025');
+    expect(readDay(dayWords('2025-03-31'))).toBe('2025-03-31');
+  });
 });

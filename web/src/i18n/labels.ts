@@ -1,0 +1,36 @@
+// What measures and curves are called. The service labels them in English; in another language the label is made anew of their names.
+import { t, tOr } from './index';
+
+const ANGLE = /^([a-z]+_[a-z]+)_(?:left|right)_[a-z]{3}_([a-z_]+)$/;
+const POINT = /^([a-z]+)(?:_(?:left|right))?\.([xyz])$/;
+const SCALAR = /^(.*?)(?:_(?:left|right))?_(?:rad|m)$/;
+
+/** A curve without its side, as the service labels it; null where nothing is known of it. */
+function curve(channel: string): string | null {
+  const [, joint, movement] = ANGLE.exec(channel) ?? [];
+  if (joint && movement) return tOr(`angle.${joint}.${movement}`, '') || null;
+  const [, place, axis] = POINT.exec(channel) ?? [];
+  if (place && axis) {
+    const name = tOr(`point.${place}`, '');
+    return name ? `${name}, ${tOr(`axis.${axis}`, axis)}` : null;
+  }
+  return tOr(`scalar.${SCALAR.exec(channel)?.[1] ?? channel}`, '') || null;
+}
+
+/** The label of a measure or of a curve, with names of measures by their code; null where nothing is known of it. */
+export function labelOf(
+  about: { measure?: unknown; channel?: unknown },
+  named: (code: string) => string | null,
+): string | null {
+  if (typeof about.channel === 'string') return curve(about.channel);
+  if (typeof about.measure !== 'string') return null;
+  const [first = '', second = '', third = ''] = about.measure.split(':');
+  if (first !== 'walk') {
+    const name = named(`measure_name.repetition.${first}`);
+    const channel = second ? curve(second) : '';
+    return name === null || channel === null ? null : channel ? `${channel}, ${name}` : name;
+  }
+  if (second === 'uneven') return named(`measure_name.uneven.${third}`);
+  const name = named(`measure_name.walk.${second}`);
+  return name !== null && (third === 'left' || third === 'right') ? `${name}, ${t(`side.${third}`)}` : name;
+}
