@@ -1,0 +1,155 @@
+"""The main pages read in German, in a browser that asks for it: no word of the English catalogue is left on them."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from app.demo.people import PATIENTS, THERAPIST
+from app.sentences import ENGLISH
+from app.sentences.german import GERMAN
+from tests.e2e.conftest import ROOT, House, Visitor
+
+pytestmark = pytest.mark.e2e
+
+KEY = re.compile(r"^\s+'[\w.]+':\s*(.+?)(?=^\s+'[\w.]+':|^\})", re.MULTILINE | re.DOTALL)
+QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'")
+PLACE = re.compile(r"\{[^}]*\}")
+SHOWN = """() => {
+  const found = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode())
+    if (node.parentElement?.checkVisibility() && !/^(script|style|noscript)$/i.test(node.parentElement.tagName))
+      found.push(node.textContent);
+  for (const name of ['aria-label', 'title', 'placeholder', 'alt'])
+    for (const one of document.querySelectorAll(`[${name}]`)) found.push(one.getAttribute(name));
+  return found.map((one) => one.replace(/\\s+/g, ' ').trim()).filter(Boolean);
+}"""
+PAGES = (
+    (PATIENTS[0].email, "today", "/"),
+    (PATIENTS[0].email, "results", "/my/results"),
+    (PATIENTS[0].email, "data", "/my/data"),
+    (PATIENTS[0].email, "account", "/account"),
+    (PATIENTS[0].email, "replay", "/my/sessions/{session_id}"),
+    (THERAPIST, "caseload", "/"),
+    (THERAPIST, "patient", "/patients/{patient_id}"),
+    (THERAPIST, "new-session", "/patients/{patient_id}/sessions/new"),
+    (THERAPIST, "session", "/sessions/{session_id}"),
+    (THERAPIST, "report", "/sessions/{session_id}/report"),
+    (THERAPIST, "course", "/patients/{patient_id}/report?exercise={exercise_id}"),
+    (THERAPIST, "exercises", "/exercises"),
+    (THERAPIST, "upload", "/upload"),
+)
+
+
+def catalogue(language: str) -> set[str]:
+    """Every text of the pages and of the service's sentences in a language."""
+    found = set()
+    files = [
+        *(ROOT / "web/src/i18n" / language).rglob("*.ts"),
+        *ROOT.glob(f"web/src/kinds/*/words/{language}.ts"),
+    ]
+    for path in files:
+        for entry in KEY.findall(path.read_text()):
+            found |= {text.replace("\\'", "'") for text in QUOTED.findall(entry)}
+    for sentence in ({"en": ENGLISH, "de": GERMAN}[language]).values():
+        found |= {sentence} if isinstance(sentence, str) else set(sentence.values())
+    return found
+
+
+def patterns(texts: set[str]) -> list[re.Pattern[str]]:
+    """What a text looks like on a page, whatever stands in its places; a text of hardly more than places is none."""
+    return [
+        re.compile(".+".join(re.escape(part) for part in PLACE.split(text)) + r"\.?", re.IGNORECASE)
+        for text in texts
+        if re.search(r"[a-z]{3}", PLACE.sub(" ", text))
+    ]
+
+
+ENGLISH_TEXTS = patterns(catalogue("en") - catalogue("de"))
+GERMAN_TEXTS = patterns(catalogue("de"))
+
+
+def left_in_english(page: Page, data: set[str]) -> list[str]:
+    """What the page shows that English has and German has not, apart from what people wrote."""
+    shown = {text for text in page.evaluate(SHOWN) if not any(text in one or one in text for one in data)}
+    return sorted(
+        text
+        for text in shown
+        if any(one.fullmatch(text) for one in ENGLISH_TEXTS)
+        and not any(one.fullmatch(text) for one in GERMAN_TEXTS)
+    )
+
+
+@pytest.fixture
+def german(
+    chromium: Browser, house: House, signed_in: dict[str, Any], request: pytest.FixtureRequest
+) -> Iterator[Visitor]:
+    """A visitor whose browser asks for German; signed in where the parameter has an address."""
+    email, width = request.param
+    context = chromium.new_context(
+        viewport={"width": width, "height": 900 if width > 600 else 844},
+        locale="de-DE",
+        reduced_motion="reduce",
+        storage_state=signed_in[email] if email else None,
+    )
+    yield Visitor(context.new_page(), house.address)
+    context.close()
+
+
+def written_by_people(page: Page, address: str) -> set[str]:
+    """Names and descriptions of exercises and templates: data, in whatever language they were written."""
+    found = set()
+    for path in ("/api/exercises", "/api/templates"):
+        answer = page.request.get(address + path)
+        if answer.ok:
+            found |= {
+                str(row[key]) for row in answer.json() for key in ("name", "description") if row.get(key)
+            }
+    return found
+
+
+def fits(page: Page) -> bool:
+    """Whether nothing is wider than the page: German words are longer."""
+    return bool(page.evaluate("document.documentElement.scrollWidth <= window.innerWidth + 1"))
+
+
+@pytest.mark.parametrize(
+    ("german", "name", "path"),
+    [((email, width), f"{name}-{width}", path) for email, name, path in PAGES for width in (390, 1440)],
+    indirect=["german"],
+    ids=[f"{name}-{width}" for _, name, _ in PAGES for width in (390, 1440)],
+)
+def test_a_page_is_german(german: Visitor, house: House, name: str, path: str) -> None:
+    page = german.page
+    page.goto(house.address + path.format(**vars(house)))
+    page.get_by_role("main").get_by_role("heading", level=1).wait_for()
+    page.wait_for_load_state("networkidle")
+    german.picture(f"de-{name}")
+    assert page.evaluate("document.documentElement.lang") == "de"
+    assert left_in_english(page, written_by_people(page, house.address)) == []
+    assert fits(page)
+    assert german.faults_outside_the_view() == []
+
+
+@pytest.mark.parametrize("german", [(None, 390)], indirect=True)
+def test_the_language_is_chosen_before_signing_in(german: Visitor, house: House) -> None:
+    page = german.page
+    page.goto(house.address + "/sign-in")
+    page.get_by_role("heading", name="Anmelden").wait_for()
+    german.picture("de-sign-in-390")
+    assert left_in_english(page, set()) == []
+    assert fits(page)
+    page.get_by_label("Sprache").select_option("en")
+    page.get_by_role("heading", name="Sign in").wait_for()
+    assert page.evaluate("document.documentElement.lang") == "en"
+    page.get_by_label("Language").select_option("")
+    page.get_by_role("heading", name="Anmelden").wait_for()
+
+
+def test_an_english_page_would_be_found() -> None:
+    assert any(one.fullmatch("Find a patient") for one in ENGLISH_TEXTS)
+    assert not any(one.fullmatch("Find a patient") for one in GERMAN_TEXTS)
+    assert any(one.fullmatch("3 patients shown") for one in ENGLISH_TEXTS)
