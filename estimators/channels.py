@@ -139,9 +139,11 @@ CHANNELS: Final = (
 
 INERTIAL: Final = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
 """What every packet must have to be estimated from."""
+INERTIAL_WIDTH: Final = sum(spec.width for spec in CHANNELS if spec.bit & INERTIAL)
+"""Columns of it, the first of each sensor."""
 MOTION: Final = CHANNELS[:3]
 """Unpacked together, by compiled code, and bridged over short gaps."""
 CARRIED: Final = tuple(spec for spec in CHANNELS[3:] if spec.field)
 """Carried with them where they are sent."""
 
-__all__ = ["CARRIED", "CHANNELS", "INERTIAL", "MOTION", "Channel", "ChannelSpec", "GapRule"]
+__all__ = ["CARRIED", "CHANNELS", "INERTIAL", "INERTIAL_WIDTH", "MOTION", "Channel", "ChannelSpec", "GapRule"]

@@ -88,9 +88,9 @@ def mass_centre(
     }
     (out / "mass_centre.json").write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     typer.echo(f"{frames.tick_count} ticks, {known.mean():.0%} known -> {out}")
-    for i, name in enumerate(MASS_SCALARS[:3]):
+    places, sigmas = np.split(found[known], 2, axis=1)
+    for name, values, sigma in zip(MASS_SCALARS, places.T, sigmas.T, strict=False):
         if known.any():
-            values, sigma = found[known, i], found[known, i + 3]
             typer.echo(
                 f"  {name:<26} {values.min():7.3f} to {values.max():7.3f} m, sigma {np.median(sigma):.3f} m"
             )

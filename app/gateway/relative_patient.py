@@ -176,13 +176,17 @@ class RelativePatient:
                 fired = {0: 1, 1: 0}.get(fired, fired)
             near = _SLIPPED if faults.beside_coil_s[0] <= time_s < faults.beside_coil_s[1] else 1.0
             field_t += near * current * scene.per_ampere_t[k, fired]
-        values, limit_t = np.zeros((2, 10)), faults.full_scale_t
-        values[0, :3], values[0, 3:6] = scene.source_gyroscope_radps[k], scene.source_accelerometer_mps2[k]
-        values[0, 6:9] = np.clip(scene.source_ambient_t[k], -limit_t, limit_t)
-        values[0, 9] = coil_state(coil, current)
-        values[1, :3], values[1, 3:6] = scene.gyroscope_radps[k], scene.accelerometer_mps2[k]
-        values[1, 6:9] = np.clip(field_t, -limit_t, limit_t)
-        return values[::-1] if faults.modules_exchanged else values
+        limit_t = faults.full_scale_t
+        source = np.r_[
+            scene.source_gyroscope_radps[k],
+            scene.source_accelerometer_mps2[k],
+            np.clip(scene.source_ambient_t[k], -limit_t, limit_t),
+            coil_state(coil, current),
+        ]
+        sensor = np.r_[
+            scene.gyroscope_radps[k], scene.accelerometer_mps2[k], np.clip(field_t, -limit_t, limit_t), 0.0
+        ]
+        return np.stack([sensor, source] if faults.modules_exchanged else [source, sensor])
 
 
 __all__ = ["RELATIVE_MOVEMENTS", "RelativeFaults", "RelativePatient"]

@@ -1,6 +1,5 @@
 """Frames as the binary blocks of `app.live.messages`, and the layout message that names their columns."""
 
-import struct
 import time
 from typing import Final
 
@@ -12,8 +11,6 @@ from app.recordings.schemas import FrameLayoutOut
 from estimators.pipelines._contract import FrameLayout, Frames
 
 MAGIC: Final = b"TMF1"
-_HEADER: Final = struct.Struct("<4sIIIddd")
-HEADER_BYTES: Final = _HEADER.size
 _FRAME_HEAD: Final = 4
 """Bytes before a message of 126 to 65535 bytes, as a server sends it whole (RFC 6455, 5.2)."""
 _HEAD: Final = np.dtype(
@@ -32,6 +29,7 @@ _HEAD: Final = np.dtype(
 )
 HEAD_WORDS: Final = _HEAD.itemsize // 4
 """Of a block's head with that of its frame."""
+_HEADER_BYTES: Final = _HEAD.itemsize - _FRAME_HEAD
 _LONGEST: Final = 0xFFFF
 _WHOLE_BINARY, _MEDIUM, _LONG = 0x82, 126, 127
 _FRAME_HEADS: Final = {_MEDIUM: _FRAME_HEAD, _LONG: 10}
@@ -98,15 +96,6 @@ def server_frame_head(size: int) -> bytes:
     return bytes((_WHOLE_BINARY, _LONG)) + size.to_bytes(8, "big")
 
 
-def block_header(
-    ticks: int, columns: int, first_tick: int, time_step_s: float, published_at_s: float
-) -> bytes:
-    """Return the header of a block; see `app.live.messages`."""
-    return _HEADER.pack(
-        MAGIC, ticks, columns, first_tick % 2**32, first_tick * time_step_s, time_step_s, published_at_s
-    )
-
-
 def block_heads(
     ticks: NDArray[np.int64],
     columns: int,
@@ -123,14 +112,25 @@ def block_heads(
     time_step_s, published_at_s : float
     """
     heads = np.empty(len(ticks), dtype=_HEAD)
+    _fill_heads(heads, ticks, columns, first_ticks, time_step_s, published_at_s)
+    return heads.view(np.uint32).reshape(len(ticks), HEAD_WORDS)
+
+
+def _fill_heads(
+    heads: NDArray[np.void],
+    ticks: int | NDArray[np.int64],
+    columns: int,
+    first_ticks: int | NDArray[np.int64],
+    time_step_s: float,
+    published_at_s: float,
+) -> None:
     heads["opcode"], heads["length"] = _WHOLE_BINARY, _MEDIUM
     # Shorter and longer blocks get another head of their frame, see `PublishedBlock`.
-    heads["size"] = (HEADER_BYTES + 4 * ticks * columns) & _LONGEST
+    heads["size"] = (_HEADER_BYTES + 4 * ticks * columns) & _LONGEST
     heads["magic"], heads["ticks"], heads["columns"] = MAGIC, ticks, columns
     heads["first_tick"] = first_ticks % 2**32
     heads["time_s"], heads["time_step_s"] = first_ticks * time_step_s, time_step_s
     heads["published_at_s"] = published_at_s
-    return heads.view(np.uint32).reshape(len(ticks), HEAD_WORDS)
 
 
 def column_names(layout: FrameLayout) -> list[str]:
@@ -158,10 +158,11 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     ticks, angles, scalars = frames.angle_rad.shape[0], len(layout.angles), len(layout.scalars)
     points, segments = 3 * len(layout.points), len(layout.segments)
     width = 3 * angles + scalars + points + segments
-    block = bytearray(_HEADER.size + 4 * ticks * width)
     at_s = time.time() if published_at_s is None else published_at_s
-    block[: _HEADER.size] = block_header(ticks, width, frames.first_tick, frames.time_step_s, at_s)
-    rows = np.frombuffer(block, "<f4", offset=_HEADER.size).reshape(ticks, width)
+    words = np.empty(HEAD_WORDS + ticks * width, "<f4")
+    head = words[:HEAD_WORDS].view(_HEAD)
+    _fill_heads(head, ticks, width, frames.first_tick, frames.time_step_s, at_s)
+    rows = words[HEAD_WORDS:].reshape(ticks, width)
     rows[:, :angles] = frames.angle_rad
     rows[:, angles : 2 * angles] = frames.angle_sigma_rad
     start = 2 * angles + scalars
@@ -170,7 +171,7 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     rows[:, start : start + points] = frames.point_room_m.reshape(ticks, points)
     rows[:, start + points : width - angles] = frames.segment_flags
     rows[:, width - angles :] = frames.angle_flags
-    return bytes(block)
+    return words[_FRAME_HEAD // 4 :].tobytes()
 
 
 def layout_message(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from app.network.declaration import Declaration
 from app.network.packet import FLOAT32, INT16, Packet, PacketFlag
 from app.network.unpack_kernel import unpack
-from estimators.channels import CARRIED, MOTION, Channel, ChannelSpec
+from estimators.channels import CARRIED, INERTIAL_WIDTH, MOTION, Channel, ChannelSpec
 from estimators.recording import Float, SampleQuality
 
 STUCK_LIMIT_S = 0.5
@@ -127,7 +127,7 @@ class Unpacker:
             to the last bit for half a second: such a cell does not measure.
         """
         cells = {spec.cell for spec in CARRIED if spec.cell and packet.channels & spec.bit}
-        nothing = ~packet.values[:, :, :6].any(axis=2).T
+        nothing = ~packet.values[:, :, :INERTIAL_WIDTH].any(axis=2).T
         found: dict[str, Float] = {}
         for spec in CARRIED:
             sent = packet.channel(spec.bit)

@@ -11,9 +11,17 @@ from app.errors import RecordingFormatError
 from app.network.declaration import Declaration, check_placements
 from app.network.raw_packet import FLOAT32, RawPacket
 from app.sentences import say
-from estimators.channels import INERTIAL, Channel
+from estimators.channels import INERTIAL, INERTIAL_WIDTH, Channel
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Float, Recording, SensorSignals
+
+_RATE, _FORCE, _INERTIAL, _FIELD = (
+    slice(0, 3),
+    slice(3, INERTIAL_WIDTH),
+    slice(INERTIAL_WIDTH),
+    slice(INERTIAL_WIDTH, 9),
+)
+"""Columns of a sensor in a packet of motion."""
 
 PACKET_S: Final = 0.05
 _EVEN: Final = 0.002
@@ -110,15 +118,15 @@ def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording
     has_temperature = bool(first.channel_mask & Channel.TEMPERATURE)
     sensors: dict[str, SensorSignals] = {}
     for row, name in enumerate(declaration.placements):
-        measured = values[:, row, :6].any(axis=1)
+        measured = values[:, row, _INERTIAL].any(axis=1)
         columns = values[measured, row]
-        field = columns[:, 6:9].copy() if has_field else None
+        field = columns[:, _FIELD].copy() if has_field else None
         if field is not None:
             field[~field.any(axis=1)] = np.nan
         sensors[name] = SensorSignals(
             time_s[measured],
-            np.ascontiguousarray(columns[:, :3]),
-            np.ascontiguousarray(columns[:, 3:6]),
+            np.ascontiguousarray(columns[:, _RATE]),
+            np.ascontiguousarray(columns[:, _FORCE]),
             field if field is not None and np.isfinite(field).any() else None,
             temperature_degc=columns[:, -1].copy() if has_temperature else None,
         )
@@ -194,14 +202,14 @@ def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32],
     Temperature of all sensors or of none: no number says that there is none.
     """
     has_field = any(sensor.magnetometer_t is not None for sensor in sensors)
-    width = 9 if has_field else 6
+    width = _FIELD.stop if has_field else _INERTIAL.stop
     values = np.zeros((sensors[0].time_s.size, len(sensors), width), dtype="<f4")
     for row, sensor in enumerate(sensors):
         inertial = np.concatenate([sensor.gyroscope_radps, sensor.accelerometer_mps2], axis=1)
         inertial[~np.isfinite(inertial).all(axis=1)] = 0.0
-        values[:, row, :6] = inertial
+        values[:, row, _INERTIAL] = inertial
         if sensor.magnetometer_t is not None:
-            values[:, row, 6:] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
+            values[:, row, _FIELD] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
     mask = int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
     warmth = [sensor.temperature_degc for sensor in sensors if sensor.temperature_degc is not None]
     if len(warmth) < len(sensors) or not np.isfinite(warmth).all():

@@ -1,4 +1,4 @@
-"""Pictures between stored frames, for drawing only: a session kept at 25 Hz must not be seen to jerk."""
+"""Pictures between stored frames, for drawing only: a session stored at 25 Hz must not be seen to jerk."""
 
 from dataclasses import replace
 from typing import Any, Final

@@ -17,6 +17,7 @@ from estimators.kernels._angles import turn
 from estimators.kernels._records import Record, step
 from estimators.recording import Float
 
+_BIAS: Final = 3
 BASE: Final = 6
 """States of orientation and bias."""
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
@@ -56,10 +57,11 @@ def predict(p: Float, turned: Matrix, noise: float, drift: float) -> None:
     P_xx' = P_xx - (T R) C' - N (T R)', with C the old and N the new cross covariance.
     """
     r00, r01, r02, r10, r11, r12, r20, r21, r22 = turned
-    b00, b01, b02, b11, b12, b22 = p[3, 3], p[3, 4], p[3, 5], p[4, 4], p[4, 5], p[5, 5]
-    c00, c01, c02 = p[0, 3], p[0, 4], p[0, 5]
-    c10, c11, c12 = p[1, 3], p[1, 4], p[1, 5]
-    c20, c21, c22 = p[2, 3], p[2, 4], p[2, 5]
+    x, y, z = _BIAS, _BIAS + 1, _BIAS + 2
+    b00, b01, b02, b11, b12, b22 = p[x, x], p[x, y], p[x, z], p[y, y], p[y, z], p[z, z]
+    c00, c01, c02 = p[0, x], p[0, y], p[0, z]
+    c10, c11, c12 = p[1, x], p[1, y], p[1, z]
+    c20, c21, c22 = p[2, x], p[2, y], p[2, z]
     n00 = c00 - (r00 * b00 + r01 * b01 + r02 * b02)
     n01 = c01 - (r00 * b01 + r01 * b11 + r02 * b12)
     n02 = c02 - (r00 * b02 + r01 * b12 + r02 * b22)
@@ -76,10 +78,10 @@ def predict(p: Float, turned: Matrix, noise: float, drift: float) -> None:
     p[0, 1] -= (r00 * c10 + r01 * c11 + r02 * c12) + (r10 * n00 + r11 * n01 + r12 * n02)
     p[0, 2] -= (r00 * c20 + r01 * c21 + r02 * c22) + (r20 * n00 + r21 * n01 + r22 * n02)
     p[1, 2] -= (r10 * c20 + r11 * c21 + r12 * c22) + (r20 * n10 + r21 * n11 + r22 * n12)
-    p[0, 3], p[0, 4], p[0, 5] = n00, n01, n02
-    p[1, 3], p[1, 4], p[1, 5] = n10, n11, n12
-    p[2, 3], p[2, 4], p[2, 5] = n20, n21, n22
-    p[3, 3], p[4, 4], p[5, 5] = b00 + drift, b11 + drift, b22 + drift
+    p[0, x], p[0, y], p[0, z] = n00, n01, n02
+    p[1, x], p[1, y], p[1, z] = n10, n11, n12
+    p[2, x], p[2, y], p[2, z] = n20, n21, n22
+    p[x, x], p[y, y], p[z, z] = b00 + drift, b11 + drift, b22 + drift
 
 
 @kernel("void(float64[:, ::1], UniTuple(float64, 3), float64[::1])", inlined=True)
@@ -121,7 +123,7 @@ def inject(x: Record, errors: Float) -> None:
     tw, tx, ty, tz = turn(-errors[0], -errors[1], -errors[2])
     x.q[0], x.q[1], x.q[2], x.q[3] = multiply(tw, tx, ty, tz, x.q[0], x.q[1], x.q[2], x.q[3])
     for axis in range(3):
-        x.bias[axis] -= errors[3 + axis]
+        x.bias[axis] -= errors[_BIAS + axis]
 
 
 __all__ = ["BASE", "Matrix", "absorb", "attitude_seen", "inject", "predict", "turn_by_rate"]

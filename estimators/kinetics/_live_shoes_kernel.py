@@ -26,6 +26,8 @@ _SHORTEST_SWING_S, _QUIET_N = 0.08, 12.0
 _MOST_N, _LEAST_SINGLE_N, _MOST_SINGLE_N = 5000.0, 200.0, 3000.0
 _SINGLE_SHARE, _SINGLE_S = 0.5, 0.1
 FORCE, COP, STATE, HEEL, FOREFOOT, OUT = 0, 3, 6, 7, 8, 9
+_SOLE = 4
+"""Corners of the heel's sole; those of the forefoot's follow."""
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1], float64)")
@@ -203,7 +205,7 @@ def shoes_live(
                 result[STATE] = IMPLAUSIBLE
             else:
                 result[STATE] = MEASURED if m[TARED] > 0.0 else UNTARED
-            for corner in range(4):
+            for corner in range(_SOLE):
                 across = settings[S_HALF_WIDTH] if corner % 2 == 0 else -settings[S_HALF_WIDTH]
                 down = -settings[S_SENSOR_HEIGHT]
                 if touches_heel:
@@ -214,8 +216,8 @@ def shoes_live(
                 if touches_ball:
                     along = 0.0 if corner < 2 else settings[S_TOE]
                     v = rotate(fw, fx, fy, fz, along, across, down)
-                    corners[s, k, 4 + corner, 0] = heel_m[s, k, 0] + hinge[0] + v[0]
-                    corners[s, k, 4 + corner, 1] = heel_m[s, k, 1] + hinge[1] + v[1]
+                    corners[s, k, _SOLE + corner, 0] = heel_m[s, k, 0] + hinge[0] + v[0]
+                    corners[s, k, _SOLE + corner, 1] = heel_m[s, k, 1] + hinge[1] + v[1]
 
 
 __all__ = ["IMPLAUSIBLE", "LOADS", "MEASURED", "MISSING", "OUT", "SETTINGS", "SHOE", "UNTARED", "shoes_live"]

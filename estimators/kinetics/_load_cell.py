@@ -79,8 +79,8 @@ def calibrate_load_cell(output: Float, load: Float) -> LoadCellCalibration:
     if np.linalg.cond(design) > _LARGEST_CONDITION:
         raise CalibrationError(say("shoes.loads_alike"))
     solution, *_ = np.linalg.lstsq(design, load, rcond=None)
-    matrix = solution[:6].T / scale
-    constant = solution[6] - matrix @ output.mean(axis=0)
+    matrix = solution[:-1].T / scale
+    constant = solution[-1] - matrix @ output.mean(axis=0)
     residual = load - design @ solution
     return LoadCellCalibration(
         np.ascontiguousarray(matrix),

@@ -13,6 +13,7 @@ from estimators.recording import Float
 
 PER_COIL = 6
 """Unknowns: relative moment, place (3), tilt of the axis (2)."""
+GAIN, CENTRE, TILT = 0, slice(1, 4), slice(4, PER_COIL)
 _LEAST_POSES = 4
 TILT_M = 0.1
 """Lever that brings tilts to the scale of places."""
@@ -150,9 +151,9 @@ def stated(
     sigmas = [np.sqrt(np.diag(covariance)) for covariance in covariances]
     return CoilCalibration(
         source,
-        np.array([float(sigma[0]) for sigma in sigmas]),
-        np.array([float(sigma[1:4].max()) for sigma in sigmas]),
-        np.array([float(np.hypot(*sigma[4:]) / TILT_M) for sigma in sigmas]),
+        np.array([float(sigma[GAIN]) for sigma in sigmas]),
+        np.array([float(sigma[CENTRE].max()) for sigma in sigmas]),
+        np.array([float(np.hypot(*sigma[TILT]) / TILT_M) for sigma in sigmas]),
         residual_t,
         max(LEAST_GAIN_SIGMA, _field_error(source, covariances)),
         place_residual_m,
@@ -189,11 +190,12 @@ def changed(source: Source, number: int, x: Float) -> Source:
     axis = coil.unit_axis
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
-    turned = axis + (x[4] * first + x[5] * np.cross(axis, first)) / TILT_M
+    along_first, along_second = x[TILT]
+    turned = axis + (along_first * first + along_second * np.cross(axis, first)) / TILT_M
     other = replace(
         coil,
-        turns=coil.turns * (1.0 + float(x[0])),
-        centre_m=tuple((np.asarray(coil.centre_m) + x[1:4]).tolist()),
+        turns=coil.turns * (1.0 + float(x[GAIN])),
+        centre_m=tuple((np.asarray(coil.centre_m) + x[CENTRE]).tolist()),
         axis=tuple(turned.tolist()),
     )
     return replace(source, coils=(*source.coils[:number], other, *source.coils[number + 1 :]))

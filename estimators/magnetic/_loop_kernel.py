@@ -156,15 +156,16 @@ def coil_field(
             f = loop_field(ampere_turns, radius, dx, dy, dz, nx, ny, nz)
         else:
             f = dipole_field(ampere_turns * math.pi * radius * radius, dx, dy, dz, nx, ny, nz)
-        bx += f[0]
-        by += f[1]
-        bz += f[2]
-        xx += f[3]
-        xy += f[4]
-        xz += f[5]
-        yy += f[6]
-        yz += f[7]
-        zz += f[8]
+        fx, fy, fz, gxx, gxy, gxz, gyy, gyz, gzz = f
+        bx += fx
+        by += fy
+        bz += fz
+        xx += gxx
+        xy += gxy
+        xz += gxz
+        yy += gyy
+        yz += gyz
+        zz += gzz
     return bx, by, bz, xx, xy, xz, yy, yz, zz
 
 
@@ -181,10 +182,9 @@ def coil_fields(
 ) -> None:
     """Fill field, shape (N, 3), and gradient, shape (N, 3, 3), for N points with a coil and a current each."""
     for i in range(position_m.shape[0]):
-        f = coil_field(
-            loops, float(coil[i]), current_a[i], position_m[i, 0], position_m[i, 1], position_m[i, 2]
-        )
+        x, y, z = position_m[i, 0], position_m[i, 1], position_m[i, 2]
+        bx, by, bz, xx, xy, xz, yy, yz, zz = coil_field(loops, float(coil[i]), current_a[i], x, y, z)
         g = gradient_t_per_m[i]
-        field_t[i, 0], field_t[i, 1], field_t[i, 2] = f[0], f[1], f[2]
-        g[0, 0], g[0, 1], g[0, 2], g[1, 1], g[1, 2], g[2, 2] = f[3], f[4], f[5], f[6], f[7], f[8]
-        g[1, 0], g[2, 0], g[2, 1] = f[4], f[5], f[7]
+        field_t[i, 0], field_t[i, 1], field_t[i, 2] = bx, by, bz
+        g[0, 0], g[0, 1], g[0, 2], g[1, 1], g[1, 2], g[2, 2] = xx, xy, xz, yy, yz, zz
+        g[1, 0], g[2, 0], g[2, 1] = xy, xz, yz

@@ -13,6 +13,9 @@ from estimators.recording import Float
 _PASSES = 60
 _DONE_M = 1e-10
 """A step below a tenth of a nanometre and of a nanoradian changes nothing that is measured."""
+_Q, _POSE = 3, 7
+"""A pose is a position and, from there, a quaternion; a change of one is a way and a rotation vector."""
+_TURN = 3
 
 
 @kernel(
@@ -39,7 +42,7 @@ def normal_equations(
             matrix[i, j] = 0.0
     row = np.empty((3, 6))
     for k in range(pulses.shape[0]):
-        f = coil_field(
+        bx, by, bz, gxx, gxy, gxz, gyy, gyz, gzz = coil_field(
             loops,
             float(coil[k]),
             current[k],
@@ -48,14 +51,14 @@ def normal_equations(
             pose[2] + offset[k, 2],
         )
         t = turn[k]
-        w, x, y, z = multiply(pose[3], pose[4], pose[5], pose[6], t[0], t[1], t[2], t[3])
-        b = rotate_back(w, x, y, z, f[0], f[1], f[2])
+        w, x, y, z = multiply(pose[_Q], pose[_Q + 1], pose[_Q + 2], pose[_Q + 3], t[0], t[1], t[2], t[3])
+        b = rotate_back(w, x, y, z, bx, by, bz)
         # The rotation error acts before the known turn: its lever is the field in the axes before it.
-        s = rotate_back(pose[3], pose[4], pose[5], pose[6], f[0], f[1], f[2])
+        s = rotate_back(pose[_Q], pose[_Q + 1], pose[_Q + 2], pose[_Q + 3], bx, by, bz)
         columns = (
-            rotate_back(w, x, y, z, f[3], f[4], f[5]),
-            rotate_back(w, x, y, z, f[4], f[6], f[7]),
-            rotate_back(w, x, y, z, f[5], f[7], f[8]),
+            rotate_back(w, x, y, z, gxx, gxy, gxz),
+            rotate_back(w, x, y, z, gxy, gyy, gyz),
+            rotate_back(w, x, y, z, gxz, gyz, gzz),
             rotate_back(t[0], t[1], t[2], t[3], 0.0, s[2], -s[1]),
             rotate_back(t[0], t[1], t[2], t[3], -s[2], 0.0, s[0]),
             rotate_back(t[0], t[1], t[2], t[3], s[1], -s[0], 0.0),
@@ -80,10 +83,12 @@ def _move(pose: Float, change: Float, trial: Float) -> None:
     shrink = min(1.0, 0.2 / length) if length > 0.0 else 1.0
     for i in range(3):
         trial[i] = pose[i] - shrink * change[i]
-    turned = exponential(-shrink * change[3], -shrink * change[4], -shrink * change[5])
-    q = multiply(pose[3], pose[4], pose[5], pose[6], turned[0], turned[1], turned[2], turned[3])
+    turned = exponential(-shrink * change[_TURN], -shrink * change[_TURN + 1], -shrink * change[_TURN + 2])
+    q = multiply(
+        pose[_Q], pose[_Q + 1], pose[_Q + 2], pose[_Q + 3], turned[0], turned[1], turned[2], turned[3]
+    )
     q = normalized(q[0], q[1], q[2], q[3])
-    trial[3], trial[4], trial[5], trial[6] = q[0], q[1], q[2], q[3]
+    trial[_Q], trial[_Q + 1], trial[_Q + 2], trial[_Q + 3] = q
 
 
 @kernel(
@@ -108,7 +113,7 @@ def refine(
     """
     matrix, right = np.empty((6, 6)), np.empty(6)
     trial_matrix, trial_right = np.empty((6, 6)), np.empty(6)
-    factor, step, trial = np.empty((6, 6)), np.empty(6), np.empty(7)
+    factor, step, trial = np.empty((6, 6)), np.empty(6), np.empty(_POSE)
     cost = normal_equations(loops, coil, current, offset, turn, pulses, weight, pose, matrix, right)
     damping = 1e-3
     for _ in range(_PASSES):
@@ -136,7 +141,7 @@ def refine(
             size = 0.0
             for i in range(6):
                 size = max(size, abs(step[i]))
-            for i in range(7):
+            for i in range(_POSE):
                 pose[i] = trial[i]
             for i in range(6):
                 right[i] = trial_right[i]

@@ -15,6 +15,8 @@ from estimators.optical import _layout as at
 from estimators.optical._contract import OpticalChunk, OpticalParameters, OpticalResult, OpticalStart
 from estimators.recording import Float
 
+_RATE, _FORCE = slice(at.GYROSCOPE, at.ACCELEROMETER), slice(at.ACCELEROMETER, at.MARKER)
+
 _PIECE = 6000
 """Ticks whose covariances are held at a time."""
 
@@ -118,7 +120,8 @@ class OpticalInertialFilter(ArrayFilter):
 
     def _gather(self, sample: Float) -> None:
         """Take a sample of the standstill; start when there are enough (page 2.5)."""
-        still = np.linalg.norm(sample[:3]) < 0.2 and abs(np.linalg.norm(sample[3:6]) - GRAVITY_MPS2) < 0.5
+        still = np.linalg.norm(sample[_RATE]) < 0.2
+        still = still and abs(np.linalg.norm(sample[_FORCE]) - GRAVITY_MPS2) < 0.5
         if not still or not np.isfinite(sample).all():
             self._counters[1] = 0
             self._start[:] = 0.0
@@ -129,13 +132,13 @@ class OpticalInertialFilter(ArrayFilter):
         if self._counters[1] < round(p.start_s / self._time_step_s):
             return
         mean = self._start / self._counters[1]
-        q = rotation.shortest(mean[3:6], np.array([0.0, 0.0, 1.0]))
+        q = rotation.shortest(mean[_FORCE], np.array([0.0, 0.0, 1.0]))
         heading, level = rotation.split_heading(q)
         del heading
         q = rotation.multiply(rotation.about_z(p.heading_rad), level)
         self._nominal[at.ATTITUDE : at.FORCE_BIAS] = q
         self._nominal[:3] = mean[at.MARKER : at.DELAY] - rotation.rotate(q, np.array(p.lever_arm_m))
-        self._nominal[at.RATE_BIAS : at.LEVER] = mean[:3]
+        self._nominal[at.RATE_BIAS : at.LEVER] = mean[_RATE]
         tilt = math.radians(1.0)
         # A lever arm that is not known yet makes the place of the accelerometer uncertain too.
         place = math.hypot(1e-3, p.lever_arm_sigma_m)

@@ -60,11 +60,11 @@ class RecordEstimator(OrientationEstimator):
         shape = chunk.gyroscope_radps.shape[:2]
         # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
         ticks_in_all = shape[0] * shape[1]
-        whole = np.empty(10 * ticks_in_all)
+        whole, bias_at, sigma_at = np.empty(10 * ticks_in_all), 4 * ticks_in_all, 7 * ticks_in_all
         out = Estimates(
-            whole[: 4 * ticks_in_all].reshape(*shape, 4),
-            whole[4 * ticks_in_all : 7 * ticks_in_all].reshape(*shape, 3),
-            whole[7 * ticks_in_all :].reshape(*shape, 3),
+            whole[:bias_at].reshape(*shape, 4),
+            whole[bias_at:sigma_at].reshape(*shape, 3),
+            whole[sigma_at:].reshape(*shape, 3),
             np.empty(shape, dtype=np.uint8),
             details,
         )

@@ -235,12 +235,3 @@ def test_the_walk_sees_imports_inside_functions_and_relative_ones(tmp_path: Path
 @pytest.mark.parametrize("path", modules("app") + LIBRARIES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_modules_stay_readable(path: Path) -> None:
     assert len(path.read_text().splitlines()) <= 500, "split by use case before 500 lines"
-
-
-@pytest.mark.parametrize("package", ["app", "estimators", "validation"])
-def test_a_folder_holds_what_a_reader_can_survey(package: str) -> None:
-    counts: dict[str, int] = {}
-    for path in modules(package):
-        folder = path.parent.relative_to(ROOT / package).as_posix()
-        counts[folder] = counts.get(folder, 0) + (path.name != "__init__.py")
-    assert not {folder: count for folder, count in counts.items() if count > 15}, "divide it by idea"

@@ -10,9 +10,7 @@ MOST_LINES = 60
 MOST_LONG = 20
 """So many functions may be longer, each named below with its reason."""
 
-MANY_PARAMETERS = {
-    "estimators/pipelines/arm/kernel:compose_python": "arrays of a kernel that is not on named tuples yet",
-}
+MANY_PARAMETERS: dict[str, str] = {}
 _ONE_PASS = "one pass of a kernel over its state: what it carries on would go through every step's parameters"
 LONG = {
     "estimators/balance/_live_balance_kernel:balance_live": _ONE_PASS,
@@ -32,7 +30,6 @@ LONG = {
     "estimators/orientation/telemotion/_kernel:follow": "the filter's loop over ticks",
     "estimators/orientation/telemotion/_parameters:settings_of": "one line a setting",
     "estimators/orientation/telemotion/_start:collect": "collects a start, sample by sample",
-    "estimators/pipelines/arm/kernel:compose_python": _ONE_PASS,
 }
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef

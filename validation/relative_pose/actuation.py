@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators import rotation
 from estimators.magnetic.published import SPARING_PARAMETERS, choose_coil
+from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 from estimators.simulation.coils import ModuleErrors
 from validation.protocol import Data, Figure, Protocol, Values
@@ -48,7 +49,7 @@ def _actuation(seeds: Sequence[int], data: Data) -> Values:
     for seed in seeds:
         for movement in _MIX:
             run = session(movement, seed, parameters=SPARING_PARAMETERS)
-            duty.append(float(np.mean(run.samples[run.scored, 15] > 0)))
+            duty.append(float(np.mean(run.samples[run.scored, at.COIL] > 0)))
             energy.append(run.energy_a2s / 26.0 / (0.3 * 1.5**2))
             asked = run.result.fire_coil[run.scored] > 0
             scores = run.result.scores[run.scored][asked]

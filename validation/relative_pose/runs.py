@@ -9,6 +9,7 @@ from scipy.stats import chi2
 
 from estimators import rotation
 from estimators.magnetic import RelativePoseFilter, RelativeResult, Source, perpendicular_source
+from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 from estimators.simulation.coils import (
     Iron,
@@ -71,7 +72,7 @@ class Run:
     @property
     def energy_a2s(self) -> float:
         """Squared current over time while scored."""
-        return float(np.sum(self.samples[self.scored, 16] ** 2) * self.scene.time_step_s)
+        return float(np.sum(self.samples[self.scored, at.CURRENT] ** 2) * self.scene.time_step_s)
 
 
 def rms(errors: Float) -> float:

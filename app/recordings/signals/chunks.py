@@ -177,7 +177,7 @@ def frames_stream(result_id: str) -> str:
 
 
 def encode_frames(*parts: Frames, stride: int = 1) -> EncodedChunk:
-    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick that is kept.
+    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick that is stored.
 
     Sequence and `ticks` count ticks of the session whatever the stride: their sum is where the next chunk may begin.
 

@@ -113,8 +113,8 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
     parts : sequence of Frames
         At least one, of one layout, each beginning where the one before ends.
     stride : int
-        Only ticks whose number it divides are kept; at least one must be among the parts. Flags of the others are
-        joined into the kept tick before them, or after them at the start, so that no gap is lost.
+        Only ticks whose number it divides are stored; at least one must be among the parts. Flags of the others are
+        joined into the stored tick before them, or after them at the start, so that no gap is lost.
     """
     first = parts[0]
     ticks = sum(map(len, map(_FLAGS[0], parts)))

@@ -21,6 +21,7 @@ _SEEN_LEAST_M: Final = 0.034
 _SEEN_MOST_M: Final = 0.25
 """A ball of two sigma within the first is hidden by the centre's own, beyond the second nothing is known."""
 _EPSILON_M: Final = 5e-4
+_FIRST_SIGMA: Final = len(MASS_SCALARS) // 2
 
 
 def mass_of(frames: Frames, body: BodyDimensions) -> tuple[Float32 | None, Float32 | None]:
@@ -29,7 +30,7 @@ def mass_of(frames: Frames, body: BodyDimensions) -> tuple[Float32 | None, Float
     if MASS_POINT not in layout.points or MASS_SCALARS[0] not in layout.scalars:
         return None, None
     place = frames.point_room_m[:, layout.points.index(MASS_POINT)].astype(np.float32)
-    first = layout.scalars.index(MASS_SCALARS[3])
+    first = layout.scalars.index(MASS_SCALARS[_FIRST_SIGMA])
     spread = 2.0 * frames.scalar[:, first : first + 3].max(axis=1)
     # The hips of the figure stand where its legs put them.
     place[:, 2] += hip_height_m(body) - frames.point_room_m[:, layout.points.index("pelvis"), 2]

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
 from estimators.arm._model import model_lengths
-from estimators.arm.chains.chain_kernel import walk_axes, walk_dual
+from estimators.arm.chains.chain_kernel import DUAL, walk_axes, walk_dual
 from estimators.arm.chains.denavit_hartenberg import LinkChain, prepared
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES
@@ -38,8 +38,8 @@ def dual_quaternion(q_parent_child: ArrayLike, origin_parent_m: ArrayLike) -> Fl
 def dual_multiply(first: ArrayLike, second: ArrayLike) -> Float:
     """Return the product, shape (..., 8): the pose of `second` given in `first`."""
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
-    real = rotation.multiply(a[..., :4], b[..., :4])
-    dual = rotation.multiply(a[..., :4], b[..., 4:]) + rotation.multiply(a[..., 4:], b[..., :4])
+    real = rotation.multiply(a[..., :DUAL], b[..., :DUAL])
+    dual = rotation.multiply(a[..., :DUAL], b[..., DUAL:]) + rotation.multiply(a[..., DUAL:], b[..., :DUAL])
     return np.concatenate((real, dual), axis=-1)
 
 
@@ -51,8 +51,8 @@ def dual_inverse(unit: ArrayLike) -> Float:
 def dual_normalize(dual: ArrayLike) -> Float:
     """Return the nearest unit dual quaternion: `|q_r| = 1` and `q_r . q_d = 0`."""
     given = np.asarray(dual, dtype=np.float64)
-    given = given / np.linalg.norm(given[..., :4], axis=-1, keepdims=True)
-    real, part = given[..., :4], given[..., 4:]
+    given = given / np.linalg.norm(given[..., :DUAL], axis=-1, keepdims=True)
+    real, part = given[..., :DUAL], given[..., DUAL:]
     part = part - np.sum(real * part, axis=-1, keepdims=True) * real
     return np.concatenate((real, part), axis=-1)
 
@@ -60,12 +60,12 @@ def dual_normalize(dual: ArrayLike) -> Float:
 def dual_position(unit: ArrayLike) -> Float:
     """Return the origin, shape (..., 3): vector part of `2 q_d conj(q_r)`."""
     given = np.asarray(unit, dtype=np.float64)
-    return 2.0 * rotation.multiply(given[..., 4:], rotation.conjugate(given[..., :4]))[..., 1:]
+    return 2.0 * rotation.multiply(given[..., DUAL:], rotation.conjugate(given[..., :DUAL]))[..., 1:]
 
 
 def dual_transform_point(unit: ArrayLike, point_child_m: ArrayLike) -> Float:
     """Return points, shape (..., 3), in the parent frame."""
-    return np.asarray(rotation.rotate(np.asarray(unit)[..., :4], point_child_m) + dual_position(unit))
+    return np.asarray(rotation.rotate(np.asarray(unit)[..., :DUAL], point_child_m) + dual_position(unit))
 
 
 def screw(axis: ArrayLike, angle_rad: ArrayLike, shift_m: ArrayLike) -> Float:

@@ -11,6 +11,8 @@ from estimators.recording import Float
 FROM_HIP, FROM_MIDDLE, FROM_LEFT, FROM_RIGHT, TARGETS = range(5)
 PELVIS, STERNUM, SHANK_LEFT, SHANK_RIGHT, SOURCES = range(5)
 S_ANKLE, S_LEVER2, S_HIP, SETTINGS = range(4)
+AHEAD, LEFT, UP, SIGMA_AHEAD, SIGMA_LEFT, SIGMA_UP, SCALARS = range(7)
+"""Places of `MASS_SCALARS`."""
 _INVALID = np.uint8(1)  # OrientationFlag.INVALID; numba wants a plain constant
 
 
@@ -140,15 +142,15 @@ def mass_centre(
         point[k, last, 0], point[k, last, 1] = place[FROM_HIP, 0], place[FROM_HIP, 1]
         point[k, last, 2] = settings[S_HIP] + place[FROM_HIP, 2]
         if lost:
-            for i in range(6):
+            for i in range(SCALARS):
                 scalar[k, first + i] = np.nan
             continue
-        scalar[k, first] = c * place[FROM_MIDDLE, 0] + d * place[FROM_MIDDLE, 1]
-        scalar[k, first + 1] = -d * place[FROM_MIDDLE, 0] + c * place[FROM_MIDDLE, 1]
-        scalar[k, first + 2] = place[lower, 2] + settings[S_ANKLE]
-        scalar[k, first + 3] = math.sqrt(ahead2)
-        scalar[k, first + 4] = math.sqrt(left2)
-        scalar[k, first + 5] = math.sqrt(up2)
+        scalar[k, first + AHEAD] = c * place[FROM_MIDDLE, 0] + d * place[FROM_MIDDLE, 1]
+        scalar[k, first + LEFT] = -d * place[FROM_MIDDLE, 0] + c * place[FROM_MIDDLE, 1]
+        scalar[k, first + UP] = place[lower, 2] + settings[S_ANKLE]
+        scalar[k, first + SIGMA_AHEAD] = math.sqrt(ahead2)
+        scalar[k, first + SIGMA_LEFT] = math.sqrt(left2)
+        scalar[k, first + SIGMA_UP] = math.sqrt(up2)
 
 
 __all__ = ["SETTINGS", "SOURCES", "TARGETS", "mass_centre"]

@@ -163,8 +163,9 @@ class _Model:
     def corrections(self, x: Float) -> tuple[Float, Float]:
         """Return what multiplies the mountings from the right."""
         in_pose = x[_FIXED + self.pose_knot]
-        upper = rotation.multiply(rotation.about_z(-x[0]), rotation.exp(np.array([x[1], x[2], 0.0])))
-        fore = rotation.multiply(rotation.about_z(-in_pose), rotation.exp(np.array([x[3], x[4], 0.0])))
+        turn, upper_x, upper_y, fore_x, fore_y = x[:_CARRY]
+        upper = rotation.multiply(rotation.about_z(-turn), rotation.exp(np.array([upper_x, upper_y, 0.0])))
+        fore = rotation.multiply(rotation.about_z(-in_pose), rotation.exp(np.array([fore_x, fore_y, 0.0])))
         return upper, fore
 
     def angles(self, x: Float) -> tuple[Float, Float, Float]:

@@ -119,7 +119,7 @@ def measured_rows(
 @kernel("float64(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])")
 def surprise(p: Float, rows: Float, residual: Float, variance: Float) -> float:
     """Return the squared innovation of the first three measurements over its covariance."""
-    s = np.empty(6)
+    s = np.empty((3, 3))
     for a in range(3):
         for b in range(a + 1):
             total = variance[a] if a == b else 0.0
@@ -129,14 +129,14 @@ def surprise(p: Float, rows: Float, residual: Float, variance: Float) -> float:
                     for j in range(_N):
                         value += p[i, j] * rows[b, j]
                     total += rows[a, i] * value
-            s[a * (a + 1) // 2 + b] = total
+            s[a, b] = total
     # Cholesky's square root, row by row: |L^-1 y|^2
-    l00 = math.sqrt(s[0])
-    l10 = s[1] / l00
-    l11 = math.sqrt(s[2] - l10 * l10)
-    l20 = s[3] / l00
-    l21 = (s[4] - l20 * l10) / l11
-    l22 = math.sqrt(s[5] - l20 * l20 - l21 * l21)
+    l00 = math.sqrt(s[0, 0])
+    l10 = s[1, 0] / l00
+    l11 = math.sqrt(s[1, 1] - l10 * l10)
+    l20 = s[2, 0] / l00
+    l21 = (s[2, 1] - l20 * l10) / l11
+    l22 = math.sqrt(s[2, 2] - l20 * l20 - l21 * l21)
     e0 = residual[0] / l00
     e1 = (residual[1] - l10 * e0) / l11
     e2 = (residual[2] - l20 * e0 - l21 * e1) / l22

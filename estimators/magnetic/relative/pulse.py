@@ -221,13 +221,13 @@ def predict_pulse(
         ahead[0], ahead[1], ahead[2], ahead[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
     )
     q = multiply(q[0], q[1], q[2], q[3], turn[0], turn[1], turn[2], turn[3])
-    f = coil_field(loops, coil, current, px, py, pz)
-    y = rotate_back(q[0], q[1], q[2], q[3], f[0], f[1], f[2])
+    bx, by, bz, gxx, gxy, gxz, gyy, gyz, gzz = coil_field(loops, coil, current, px, py, pz)
+    y = rotate_back(q[0], q[1], q[2], q[3], bx, by, bz)
     value[0], value[1], value[2] = y
     g = (
-        rotate_back(q[0], q[1], q[2], q[3], f[3], f[4], f[5]),
-        rotate_back(q[0], q[1], q[2], q[3], f[4], f[6], f[7]),
-        rotate_back(q[0], q[1], q[2], q[3], f[5], f[7], f[8]),
+        rotate_back(q[0], q[1], q[2], q[3], gxx, gxy, gxz),
+        rotate_back(q[0], q[1], q[2], q[3], gxy, gyy, gyz),
+        rotate_back(q[0], q[1], q[2], q[3], gxz, gyz, gzz),
     )
     # d(p then)/dp = I + delay [w_c]x
     x = (
@@ -304,12 +304,14 @@ def predict_path(
     mean, gradient = np.zeros(3), np.zeros((3, 3))
     for k in range(count):
         m, turned = path[k], path[k, _TURN:]
-        f = coil_field(loops, coil, pulse[_AMPERES], m[0] + off[0], m[1] + off[1], m[2] + off[2])
+        bx, by, bz, gxx, gxy, gxz, gyy, gyz, gzz = coil_field(
+            loops, coil, pulse[_AMPERES], m[0] + off[0], m[1] + off[1], m[2] + off[2]
+        )
         columns = (
-            rotate(turned[0], turned[1], turned[2], turned[3], f[0], f[1], f[2]),
-            rotate(turned[0], turned[1], turned[2], turned[3], f[3], f[4], f[5]),
-            rotate(turned[0], turned[1], turned[2], turned[3], f[4], f[6], f[7]),
-            rotate(turned[0], turned[1], turned[2], turned[3], f[5], f[7], f[8]),
+            rotate(turned[0], turned[1], turned[2], turned[3], bx, by, bz),
+            rotate(turned[0], turned[1], turned[2], turned[3], gxx, gxy, gxz),
+            rotate(turned[0], turned[1], turned[2], turned[3], gxy, gyy, gyz),
+            rotate(turned[0], turned[1], turned[2], turned[3], gxz, gyz, gzz),
         )
         for i in range(3):
             mean[i] += columns[0][i] / count

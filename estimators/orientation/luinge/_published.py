@@ -63,6 +63,10 @@ def keep_spread(x: Record, p: Float, c: Record, cross: Float) -> None:
             column += 1
 
 
+_SPARE, _ROWS, _COVARIANCE, _INVERSE, _ERROR, _ROOMS = range(6)
+"""Matrices that a correction works in."""
+
+
 @step()
 def take_out(x: Record, p: Float, gain: Float, inverse: Float, innovation: Scalars3, error: Float) -> None:
     """Correct estimate and covariance by an innovation with `gain` = P C' and the inverse of its covariance."""
@@ -88,7 +92,7 @@ def take_out(x: Record, p: Float, gain: Float, inverse: Float, innovation: Scala
 @step()
 def correct(x: Record, p: Float, sample: Record, c: Record, work: Float, gain: Float) -> None:
     """Difference the two verticals in the sensor frame and take out the errors (A4.2 to A4.9)."""
-    rows, innovation_covariance, inverse = work[1], work[2], work[3]
+    rows, innovation_covariance, inverse = work[_ROWS], work[_COVARIANCE], work[_INVERSE]
     qw, qx, qy, qz = x.q[0], x.q[1], x.q[2], x.q[3]
     ex, ey, ez = force_without_acceleration(x, sample, c)
     ux, uy, uz = rotate_back(qw, qx, qy, qz, ex, ey, ez)
@@ -119,9 +123,9 @@ def correct(x: Record, p: Float, sample: Record, c: Record, work: Float, gain: F
     invert_symmetric(innovation_covariance, inverse)
     for i in range(3):
         sample.innovation[i], sample.inverse[i] = innovation[i], 1.0 / innovation_covariance[i, i]
-    take_out(x, p, gain, inverse, innovation, work[4])
+    take_out(x, p, gain, inverse, innovation, work[_ERROR])
     keep_acceleration(x, sample, c)
-    keep_spread(x, p, c, work[0])
+    keep_spread(x, p, c, work[_SPARE])
 
 
 @kernel("float64(float64[:, ::1], UniTuple(float64, 3))")
@@ -152,7 +156,7 @@ def run(
     ticks: Ticks, settings: NDArray[np.void], state: NDArray[np.void], covariance: Float, out: Estimates
 ) -> None:
     """Filter K ticks of S sensors; `state` and `covariance` (S, 6, 6, sensor frame) are carried on."""
-    samples, work, gain = np.zeros(1, SAMPLE), np.zeros((5, 3, 3)), np.zeros((6, 3))
+    samples, work, gain = np.zeros(1, SAMPLE), np.zeros((_ROOMS, 3, 3)), np.zeros((6, 3))
     sample, c, quality = samples[0], settings[0], ticks.quality
     for s in range(quality.shape[0]):
         x, p = state[s], covariance[s]

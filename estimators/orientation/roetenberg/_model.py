@@ -10,6 +10,7 @@ from estimators.kernels import BASE, Matrix, Record, record, step
 from estimators.orientation import _strapdown_steps as steps
 from estimators.recording import Float
 
+_BIAS: Final = 3
 STATES: Final = BASE + 3
 """Orientation error in the earth frame, offset error in the sensor frame, disturbance error in the earth frame."""
 MEASUREMENTS: Final = 5
@@ -72,10 +73,10 @@ STATE = record(
 def keep_blocks(p: Float) -> None:
     """Forget what orientation, offset and disturbance have to do with each other, as the published filter does (E5)."""
     for i in range(3):
-        for j in range(3, STATES):
+        for j in range(_BIAS, STATES):
             p[i, j] = 0.0
         for j in range(BASE, STATES):
-            p[3 + i, j] = 0.0
+            p[_BIAS + i, j] = 0.0
 
 
 @step(inlined=True)
@@ -100,7 +101,7 @@ def predict_disturbance(x: Record, p: Float, c: Record, turned: Matrix, change: 
             for i in range(BASE, j + 1):
                 p[i, j] *= gain * gain
         x.disturbance[j - BASE] *= gain
-        bx, by, bz = p[3, j], p[4, j], p[5, j]
+        bx, by, bz = p[_BIAS, j], p[_BIAS + 1, j], p[_BIAS + 2, j]
         p[0, j] -= r00 * bx + r01 * by + r02 * bz
         p[1, j] -= r10 * bx + r11 * by + r12 * bz
         p[2, j] -= r20 * bx + r21 * by + r22 * bz

@@ -35,7 +35,7 @@ from estimators.recording import Float
 
 GROUPS = 4
 """Measurements that a block can have, three components each: place, speed and bias at rest, field."""
-KEPT_INNOVATION, KEPT_INVERSE, KEPT = 3 * STATES, 3 * STATES + 3, 3 * STATES + 6
+RETAINED_INNOVATION, RETAINED_INVERSE, RETAINED = 3 * STATES, 3 * STATES + 3, 3 * STATES + 6
 """What is retained of a measurement: three gains, innovations left over their variance, one over variance."""
 TURN_X, TURN_Y, TURN_XY, TURN_NORTH, VARIANCES = range(5)
 """Variances of a block: of the turn about x and y, their covariance, of the turn about z with the estimated north."""
@@ -157,7 +157,7 @@ def forward(
         Prior of the error; left as they are after the last block.
     means, covariances : ndarray, shape (B, STATES) and (B, STATES * STATES)
         Filled: the prediction for each block, before its measurements.
-    retained : ndarray, shape (B, GROUPS, KEPT)
+    retained : ndarray, shape (B, GROUPS, RETAINED)
     """
     rows = np.zeros((VARIANCE + 1, STATES))
     index, value = np.zeros((3, ENTRIES), dtype=np.int64), np.zeros((3, ENTRIES))
@@ -180,8 +180,8 @@ def forward(
             for m in range(3):
                 for i in range(STATES):
                     retained[block, group, STATES * m + i] = rows[m, i]
-                retained[block, group, KEPT_INNOVATION + m] = rows[INNOVATION, m]
-                retained[block, group, KEPT_INVERSE + m] = rows[VARIANCE, m]
+                retained[block, group, RETAINED_INNOVATION + m] = rows[INNOVATION, m]
+                retained[block, group, RETAINED_INVERSE + m] = rows[VARIANCE, m]
         for a in range(3):
             error[TURN + a] -= known.step[a]
 
@@ -275,12 +275,12 @@ def backward(
             for m in range(2, -1, -1):
                 gain, inverse = (
                     retained[block, group, STATES * m : STATES * (m + 1)],
-                    retained[block, group, KEPT_INVERSE + m],
+                    retained[block, group, RETAINED_INVERSE + m],
                 )
                 total = 0.0
                 for i in range(STATES):
                     total += gain[i] * adjoint[i]
-                total = inverse * total + retained[block, group, KEPT_INNOVATION + m]
+                total = inverse * total + retained[block, group, RETAINED_INNOVATION + m]
                 for e in range(entries):
                     adjoint[index[m, e]] -= value[m, e] * total
                 if uncertain:
@@ -318,9 +318,9 @@ def backward(
 __all__ = [
     "FACTS",
     "GROUPS",
-    "KEPT",
-    "KEPT_INNOVATION",
-    "KEPT_INVERSE",
+    "RETAINED",
+    "RETAINED_INNOVATION",
+    "RETAINED_INVERSE",
     "TURN_NORTH",
     "TURN_X",
     "TURN_Y",

@@ -10,9 +10,9 @@ from estimators import rotation
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation.smoother._kernel import (
     GROUPS,
-    KEPT,
-    KEPT_INNOVATION,
-    KEPT_INVERSE,
+    RETAINED,
+    RETAINED_INNOVATION,
+    RETAINED_INVERSE,
     TURN_NORTH,
     TURN_X,
     TURN_Y,
@@ -108,7 +108,7 @@ class SensorPasses:
         start, start_variance = error.copy(), np.diag(self._variance)
         p = start_variance.flatten()
         means, covariances = np.empty((blocks, at.STATES)), np.empty((blocks, at.STATES**2))
-        retained = np.empty((blocks, GROUPS, KEPT))
+        retained = np.empty((blocks, GROUPS, RETAINED))
         nominal = self.nominal
         forward(
             sums,
@@ -153,7 +153,7 @@ class SensorPasses:
         The variance of a block that does not fit was raised before, which costs by its logarithm. Nothing can
         be likelier than no innovation at all with the least variance.
         """
-        over, one = retained[:, KEPT_INNOVATION:KEPT_INVERSE], retained[:, KEPT_INVERSE:]
+        over, one = retained[:, RETAINED_INNOVATION:RETAINED_INVERSE], retained[:, RETAINED_INVERSE:]
         self.field_blocks = len(retained)
         self.log_likelihood = 0.5 * float((np.log(one) - over * over / one).sum())
         self.largest_gain = -1.5 * float(np.log(least_variance).sum()) - self.log_likelihood

@@ -16,7 +16,7 @@ from estimators.orientation._screen import _FIELD, _SAMPLE, _judge
 from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.orientation.telemotion._kernel import run
 from estimators.orientation.telemotion._records import SETTINGS, STATE
-from estimators.pipelines.arm.kernel import compose
+from estimators.pipelines.arm.kernel import Estimated, InRoom, Worn, compose
 from estimators.pipelines.arm.rows import SESSION, ArmRows, ArmTables, ArmWork
 from estimators.pipelines.pooled import STRETCH, Columns
 from estimators.recording import Float, SampleQuality
@@ -119,8 +119,8 @@ def _remember(
     q: Float,
     flags: NDArray[np.uint8],
     at: NDArray[np.int64],
-    kept: Float,
-    kept_flags: Float,
+    retained: Float,
+    retained_flags: Float,
 ) -> None:
     """Retain every n-th orientation for a calibration pose; as `BodyNetwork`."""
     stride = x.memory_stride
@@ -129,9 +129,9 @@ def _remember(
         slot = ((first_tick + k) // stride) % at.shape[0]
         at[slot] = first_tick + k
         for s in range(flags.shape[0]):
-            kept_flags[slot, s] = flags[s, k]
+            retained_flags[slot, s] = flags[s, k]
             for a in range(4):
-                kept[slot, s, a] = q[s, k, a]
+                retained[slot, s, a] = q[s, k, a]
         k += stride
 
 
@@ -222,20 +222,16 @@ def step_arms(
             _flag_lost_field(wild, flags)
         start, stop = stretches[n].tick_at, stretches[n].tick_at + ticks
         omega = work.omega[:size].reshape((ticks, sensors, 3))
+        variance = r.mounting_variance[a:b] if x.has_mounting else r.mounting_variance[a:a]
         compose(
-            q,
-            sigma,
-            rate,
-            bias,
-            flags,
-            r.q_room_earth[a:b],
-            r.q_sensor_segment[a:b],
-            r.mounting_variance[a:b] if x.has_mounting else r.mounting_variance[a:a],
-            r.more_flags[a:b],
-            out.q_room_segment[start:stop],
-            omega,
-            out.segment_sigma_rad[start:stop],
-            out.segment_flags[start:stop],
+            Estimated(q, sigma, rate, bias, flags),
+            Worn(r.q_room_earth[a:b], r.q_sensor_segment[a:b], variance, r.more_flags[a:b]),
+            InRoom(
+                out.q_room_segment[start:stop],
+                omega,
+                out.segment_sigma_rad[start:stop],
+                out.segment_flags[start:stop],
+            ),
         )
         _remember(x, first_tick, q, flags, r.memory_tick[slot], r.memory_q[slot], r.memory_flags[slot])
         _move_arms(slot, x.step_s, r, tables, omega, start, stop, out)

@@ -154,19 +154,18 @@ def arm_rows(sessions: int, sensors: int, memory_ticks: int) -> ArmRows:
 def arm_work(sensors: int, most_ticks: int) -> ArmWork:
     """Return room for a stretch of up to so many ticks."""
     samples = sensors * most_ticks
-    three = [np.empty(3 * samples) for _ in range(6)]
-    bytes_ = [np.empty(samples, dtype=np.uint8) for _ in range(3)]
+    vectors = 3 * samples
     return ArmWork(
-        three[0],
-        three[1],
-        three[2],
-        np.empty(4 * samples),
-        three[3],
-        three[4],
-        three[5],
-        bytes_[0],
-        bytes_[1],
-        bytes_[2],
+        rate=np.empty(vectors),
+        force=np.empty(vectors),
+        field=np.empty(vectors),
+        q=np.empty(4 * samples),
+        bias=np.empty(vectors),
+        sigma=np.empty(vectors),
+        omega=np.empty(vectors),
+        wild=np.empty(samples, dtype=np.uint8),
+        quality=np.empty(samples, dtype=np.uint8),
+        flags=np.empty(samples, dtype=np.uint8),
     )
 
 

@@ -177,10 +177,10 @@ def write_pose(
             scalar[column] = out[_COV + _POSE * a + b] / both if both > 0.0 else 0.0
             column += 1
 
-    m = matrix(out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3])
-    angle[0] = math.atan2(m[3], m[0])
-    angle[1] = math.asin(min(max(-m[6], -1.0), 1.0))
-    angle[2] = math.atan2(m[7], m[8])
+    xx, _, _, yx, _, _, zx, zy, zz = matrix(out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3])
+    angle[0] = math.atan2(yx, xx)
+    angle[1] = math.asin(min(max(-zx, -1.0), 1.0))
+    angle[2] = math.atan2(zy, zz)
     sine, cosine = math.sin(angle[2]), math.cos(angle[2])
     near, tangent = math.cos(angle[1]), math.tan(angle[1])
     near = near if abs(near) >= 1e-6 else 1e-6

@@ -42,6 +42,10 @@ _SHIFT, _MASS, _COP, _GOING = balance.SHIFT, balance.MASS, balance.COP, balance.
 _MARGIN, _CENTRE_SIGMA, _WEIGHT = balance.MARGIN, balance.SIGMA, balance.WEIGHT
 _HEIGHT: Final = shoe.S_SENSOR_HEIGHT
 _UP = (shoe.HEEL_FORCE + 2, shoe.FOREFOOT_FORCE + 2)
+_TURN: Final = 4
+"""Numbers of an orientation."""
+_MASS_POINT, _COP_POINT, _GOING_POINT, _PRESSED, _ROOM_POINTS = 2, 3, 4, 5, 7
+"""Points of two shoes in a room, after their soles: centre of mass, of pressure, where the former goes; each shoe's."""
 _FORCE_SCALARS: Final = 4
 """Force along three axes, and its state."""
 
@@ -202,11 +206,11 @@ def write_feet(values: Float, flags: NDArray[np.uint8], feet: Feet, rows: Float)
     for k in range(rows.shape[0]):
         for f in range(count):
             s = feet.heels[f]
-            for i in range(4):
-                rows[k, 4 * f + i] = values[s, k, _Q + i]
+            for i in range(_TURN):
+                rows[k, _TURN * f + i] = values[s, k, _Q + i]
             for i in range(3):
-                rows[k, 4 * count + 3 * f + i] = values[s, k, _P + i] + feet.offset_m[f, i]
-    _write_common(values, flags, stepped, feet, 7 * count, rows)
+                rows[k, _TURN * count + 3 * f + i] = values[s, k, _P + i] + feet.offset_m[f, i]
+    _write_common(values, flags, stepped, feet, (_TURN + 3) * count, rows)
 
 
 @step()
@@ -274,7 +278,9 @@ def write_shoes(
     stepped = _stepped(values, flags, feet)
     out = np.empty((2, rows.shape[0], shoe.OUT))
     found = _felt(values, flags, stepped, loads, shoes, out)
-    points, scalars = 8, 8 + 3 * 7
+    points, scalars = 2 * _TURN, 2 * _TURN + 3 * _ROOM_POINTS
+    mass, cop, going = points + 3 * _MASS_POINT, points + 3 * _COP_POINT, points + 3 * _GOING_POINT
+    pressed_first = points + 3 * _PRESSED
     forces = scalars + 2 * _PER_FOOT
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -285,7 +291,7 @@ def write_shoes(
             shift = (shift[0], found[k, _SHIFT + 1])
         for f in range(2):
             for i in range(4):
-                row[4 * f + i] = stepped[k, f, _O_Q + i]
+                row[_TURN * f + i] = stepped[k, f, _O_Q + i]
                 force = i if i < 3 else shoe.STATE
                 row[forces + _FORCE_SCALARS * f + i] = out[f, k, force]
             for i in range(3):
@@ -295,11 +301,11 @@ def write_shoes(
                     sole += shift[i]
                     pressed += shift[i]
                 row[points + 3 * f + i] = sole
-                row[points + 15 + 3 * f + i] = pressed
+                row[pressed_first + 3 * f + i] = pressed
         for i in range(3):
-            row[points + 6 + i] = found[k, _MASS + i]
-            row[points + 9 + i] = found[k, _COP + i]
-            row[points + 12 + i] = found[k, _GOING + i]
+            row[mass + i] = found[k, _MASS + i]
+            row[cop + i] = found[k, _COP + i]
+            row[going + i] = found[k, _GOING + i]
         row[forces + 2 * _FORCE_SCALARS] = found[k, _MARGIN]
         row[forces + 2 * _FORCE_SCALARS + 1] = found[k, _CENTRE_SIGMA]
         row[forces + 2 * _FORCE_SCALARS + 2] = found[k, _WEIGHT] / GRAVITY_MPS2

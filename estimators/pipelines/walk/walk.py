@@ -97,17 +97,18 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
     end_s = max(float(path.time_s[-1]) for path in paths.values())
     ticks = int((end_s - start_s) * setup.rate_hz + 1e-6) + 1
     time_s = start_s + np.arange(ticks) / setup.rate_hz
-    parts = [_on_ticks(paths[side], strides[side], side, time_s) for side in feet]
+    feet_on_ticks = (_on_ticks(paths[side], strides[side], side, time_s) for side in feet)
+    q, position_m, scalar, flags, attitude_sigma, position_sigma = zip(*feet_on_ticks, strict=True)
     frames = frames_of(
         layout_of(tuple(feet)),
         round(start_s * setup.rate_hz),
         1.0 / setup.rate_hz,
-        np.stack([part[0] for part in parts], axis=1),
-        np.stack([part[1] for part in parts], axis=1),
-        np.concatenate([part[2] for part in parts], axis=1),
-        np.stack([part[3] for part in parts], axis=1),
-        np.stack([part[4] for part in parts], axis=1),
-        np.stack([part[5] for part in parts], axis=1),
+        np.stack(q, axis=1),
+        np.stack(position_m, axis=1),
+        np.concatenate(scalar, axis=1),
+        np.stack(flags, axis=1),
+        np.stack(attitude_sigma, axis=1),
+        np.stack(position_sigma, axis=1),
     )
     summary = summarise(strides)
     return Walk(frames, paths, strides, summary, _steps(strides, summary, setup.feet_apart_m))

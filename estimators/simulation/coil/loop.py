@@ -137,16 +137,17 @@ def run_closed_loop(
     wired, control = np.array(f.wired_as, dtype=np.int64), np.zeros(_CONTROL)
     out = np.empty((count, at.OUTPUT))
     taken = 0
+    *_, counters, _ = arrays = relative.arrays()
     while taken < count:
         taken += _closed_loop(
             samples[taken:],
             per_ampere[taken:],
             _Faults(wired, lost[taken:], limits),
             control,
-            *relative.arrays(),
+            *arrays,
             out[taken:],
         )
-        if relative.arrays()[5][at.EVENT]:
+        if counters[at.EVENT]:
             relative.handle_event()
     return RelativeResult.of_table(out), samples
 

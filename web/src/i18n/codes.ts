@@ -1,4 +1,4 @@
-// Sentences of the service by their code alone, for pages that name one before the service has said it. Large: kept out of what
+// Sentences of the service by their code alone, for pages that name one before the service has said it. Large: left out of what
 // the patient's pages load.
 import english from './en/sentences.json';
 import { said, words, type Sentences } from './sentence';

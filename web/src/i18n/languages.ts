@@ -15,15 +15,15 @@ const WORDS: Record<Language, () => Promise<{ words: Catalogue }>> = {
 const SENTENCES: Partial<Record<string, () => Promise<unknown>>> = {
   de: async () => (await import('./de/sentences.json')).default,
 };
-const KEPT = 'telemotion.language';
+const STORED_AS = 'telemotion.language';
 
 export const isLanguage = (name: string): name is Language => Object.hasOwn(LANGUAGES, name);
 
 /** What was chosen in this browser; empty for nothing. */
 export function chosenHere(): Language | '' {
   try {
-    const kept = localStorage.getItem(KEPT) ?? '';
-    return isLanguage(kept) ? kept : '';
+    const chosen = localStorage.getItem(STORED_AS) ?? '';
+    return isLanguage(chosen) ? chosen : '';
   } catch {
     return '';
   }
@@ -32,18 +32,18 @@ export function chosenHere(): Language | '' {
 /** Remember a choice in this browser; empty forgets it. */
 export function chooseHere(language: Language | ''): void {
   try {
-    if (language) localStorage.setItem(KEPT, language);
-    else localStorage.removeItem(KEPT);
+    if (language) localStorage.setItem(STORED_AS, language);
+    else localStorage.removeItem(STORED_AS);
   } catch {
-    // A browser that keeps nothing speaks its own language next time.
+    // A browser that stores nothing speaks its own language next time.
   }
 }
 
 /** The language to speak: of the account, else as chosen in this browser, else the browser's own, else English. */
 export function wanted(account = '', own: readonly string[] = navigator.languages): Language {
   if (isLanguage(account)) return account;
-  const kept = chosenHere();
-  return kept || (own.map((one) => one.split('-')[0] ?? '').find(isLanguage) ?? 'en');
+  const chosen = chosenHere();
+  return chosen || (own.map((one) => one.split('-')[0] ?? '').find(isLanguage) ?? 'en');
 }
 
 /** Load a language and speak it. */

@@ -5,7 +5,7 @@ import pytest
 
 from estimators.kernels import filled
 from estimators.orientation.smoother._estimator import SmootherParameters
-from estimators.orientation.smoother._kernel import FACTS, GROUPS, KEPT, backward, forward
+from estimators.orientation.smoother._kernel import FACTS, GROUPS, RETAINED, backward, forward
 from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._parameters import settings_of
 
@@ -113,7 +113,7 @@ class Case:
 
     def kernels(self):
         means, covariances = np.empty((BLOCKS, at.STATES)), np.empty((BLOCKS, at.STATES**2))
-        kept = np.empty((BLOCKS, GROUPS, KEPT))
+        kept = np.empty((BLOCKS, GROUPS, RETAINED))
         error, p = self.start.copy(), self.prior.ravel().copy()
         forward(
             self.sums, self.facts, self.nominal, error, p, GRAVITY, self.settings, means, covariances, kept

@@ -14,7 +14,7 @@ export interface CourseRow {
 
 const MOST_ROWS = 10;
 
-/** What is told first: the main measure as it comes, then compensation, then whatever changed for sure. */
+/** What is said first: the main measure as it comes, then compensation, then whatever changed for sure. */
 export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROWS): CourseRow[] {
   const rank = (one: ProgressMeasure, index: number) =>
     index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : one.is_real_change ? 2 : 3;

@@ -178,8 +178,8 @@ export function withBorder(draft: Draft, phase: number, end: number): Draft {
   const [start] = stretches(draft.phases)[phase] ?? [0];
   const next = draft.phases[phase + 1]?.end;
   if (next === undefined) return draft;
-  const kept = Number(Math.min(next - SHORTEST, Math.max(start + SHORTEST, end)).toFixed(3));
-  return { ...draft, phases: draft.phases.map((one, index) => (index === phase ? { ...one, end: kept } : one)) };
+  const border = Number(Math.min(next - SHORTEST, Math.max(start + SHORTEST, end)).toFixed(3));
+  return { ...draft, phases: draft.phases.map((one, index) => (index === phase ? { ...one, end: border } : one)) };
 }
 
 /** A phase cut in two halves; both have its band. */

@@ -21,7 +21,7 @@ export const doing: Translated<typeof english> = {
   'doing.goOn': 'Weitermachen',
   'doing.finish': 'Für heute beenden',
   'doing.more': 'Noch ein paar',
-  'doing.notTold':
+  'doing.notReached':
     'Ihre Praxis konnte noch nicht benachrichtigt werden. Ruhen Sie sich aus; auf dieser Seite wird nichts gezählt.',
   'doing.held.person': 'Machen Sie eine Pause',
   'doing.held.person.text': 'Es wird nichts gezählt, bis Sie weitermachen.',

@@ -24,7 +24,7 @@ export const walking: Translated<typeof english> = {
   'walk.fromFirstStep': 'Vom ersten Schritt bis zum letzten.',
   'walk.minutes': 'Meter in jeder Minute',
   'walk.minute': '{number}. Minute',
-  'walk.notTold': 'Grenzen dieser Messung',
+  'walk.limits': 'Grenzen dieser Messung',
   'walk.none': 'Kein Doppelschritt gefunden',
   'walk.noneText':
     'Es wurde kein Schritt erkannt. Zeichnen Sie noch einmal auf: drei Sekunden still stehen, dann mindestens vier Doppelschritte gehen.',

@@ -18,7 +18,7 @@ export const doing = {
   'doing.goOn': 'Go on',
   'doing.finish': 'Finish for today',
   'doing.more': 'A few more',
-  'doing.notTold': 'Your clinic could not be told yet. Rest; nothing is counted on this page.',
+  'doing.notReached': 'Your clinic could not be reached yet. Rest; nothing is counted on this page.',
   'doing.held.person': 'Take a break',
   'doing.held.person.text': 'Nothing is counted until you go on.',
   'doing.held.finish': 'Finish for today?',

@@ -21,7 +21,7 @@ export const walking = {
   'walk.fromFirstStep': 'From the first step to the last.',
   'walk.minutes': 'Metres in each minute',
   'walk.minute': 'Minute {number}',
-  'walk.notTold': 'Limits of this measurement',
+  'walk.limits': 'Limits of this measurement',
   'walk.none': 'No stride found',
   'walk.noneText':
     'No step was detected. Record again: stand still for three seconds, then walk at least four strides.',

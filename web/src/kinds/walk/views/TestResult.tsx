@@ -58,7 +58,7 @@ export function TestResult({ gait }: { gait: Gait }) {
       )}
       {reasons.length > 0 && (
         <>
-          <p className="muted small">{t('walk.notTold')}</p>
+          <p className="muted small">{t('walk.limits')}</p>
           <ul className="small">
             {reasons.map((reason) => (
               <li key={reason}>{reason}</li>

@@ -88,9 +88,9 @@ function HeldCard({ guidance, hold, onFinish, isEnding }: NowProps) {
         <p>{held === 'set' ? t('doing.held.set.text', { count: leftOf(guidance) }) : t(`doing.held.${held}.text`)}</p>
         {held === 'pain' && hold.isPainKnown && <p>{t('doing.held.pain.known')}</p>}
       </div>
-      {hold.isUntold && (
+      {hold.isUnreached && (
         <p className="problem" role="alert">
-          {t('doing.notTold')}
+          {t('doing.notReached')}
         </p>
       )}
       <div className="doing-choice">{isOver || held === 'pain' ? [finish, goOn] : [goOn, finish]}</div>

@@ -30,8 +30,8 @@ export function heldBy(guidance: GuidanceMessage | null): Held | null {
 
 export interface Hold {
   held: Held | null;
-  /** The service could not be told. */
-  isUntold: boolean;
+  /** The service could not be reached. */
+  isUnreached: boolean;
   isBusy: boolean;
   /** The service has stored that it hurt. */
   isPainKnown: boolean;
@@ -49,18 +49,18 @@ export function useHold(sessionId: string, guidance: GuidanceMessage | null): Ho
       if (command === 'resume') setWish(null);
     },
   });
-  // What could not be told is told again until it arrives: a pain that nobody hears of helps nobody.
+  // What did not arrive is sent again until it does: a pain that nobody hears of helps nobody.
   useEffect(() => {
     if (!isError || wish === null || variables === 'resume') return;
     const again = setTimeout(() => mutate(wish === 'pain' ? 'pain' : 'pause'), AGAIN_MS);
     return () => clearTimeout(again);
   }, [isError, isPending, wish, variables, mutate]);
   const said = heldBy(guidance);
-  // What the patient pressed comes first; pain that another page told of is never hidden by a pause.
+  // What the patient pressed comes first; pain that another page reported is never hidden by a pause.
   const held = wish && said !== 'pain' ? wish : (said ?? wish);
   return {
     held,
-    isUntold: isError && (wish !== null || variables === 'resume'),
+    isUnreached: isError && (wish !== null || variables === 'resume'),
     isBusy: isPending,
     isPainKnown: guidance?.cause === 'pain',
     hold: (next) => {

@@ -1,7 +1,7 @@
 // The count by voice, where the patient wants it and the browser can speak.
 import { useEffect, useRef } from 'react';
 
-const KEPT = 'telemotion.countAloud';
+const STORED_AS = 'telemotion.countAloud';
 
 export function canSpeak(): boolean {
   return 'speechSynthesis' in window && 'SpeechSynthesisUtterance' in window;
@@ -10,7 +10,7 @@ export function canSpeak(): boolean {
 /** Off until somebody asked for it on this device. */
 export function wantsVoice(): boolean {
   try {
-    return canSpeak() && localStorage.getItem(KEPT) === 'yes';
+    return canSpeak() && localStorage.getItem(STORED_AS) === 'yes';
   } catch {
     return false;
   }
@@ -18,7 +18,7 @@ export function wantsVoice(): boolean {
 
 export function keepVoice(isWanted: boolean): void {
   try {
-    localStorage.setItem(KEPT, isWanted ? 'yes' : 'no');
+    localStorage.setItem(STORED_AS, isWanted ? 'yes' : 'no');
   } catch {
     // A browser that keeps nothing asks again next time.
   }

@@ -75,7 +75,7 @@ export function StopRules({ stops, channels, primary, onChange }: Props) {
   );
 }
 
-/** Limits of angles, each with its side and value; other stop rules are kept as they are. */
+/** Limits of angles, each with its side and value; other stop rules stay as they are. */
 export function LimitRows({ stops, channels, primary, onChange }: Props) {
   const set = (index: number, change: Partial<StopDesign>) =>
     onChange(stops.map((one, place) => (place === index ? { ...one, ...change } : one)));
