@@ -52,6 +52,7 @@ from app.live.endpoints import router as live_router
 from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
+from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
 from app.observation import observe
 from app.patients.endpoints import router as patients_router
@@ -194,7 +195,7 @@ async def open_services(
     )
     await live.start()
     stack.push_async_callback(live.stop)
-    services.add(live)
+    services.add(live, LiveSide, SteeredSide)
     jobs.subscribe(lambda done: live.task_done(done.session_id))
 
     await open_viewer(services, stack)

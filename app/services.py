@@ -42,10 +42,15 @@ class Services:
         )
         self._open: dict[type, object] = {}
 
-    def add(self, one: One) -> One:
-        """Make a resource known by its type, and return it."""
-        self._open[type(one)] = one
+    def add(self, one: One, *kinds: type) -> One:
+        """Make a resource known by its type, and by others that it stands for; return it."""
+        for kind in (type(one), *kinds):
+            self._open[kind] = one
         return one
+
+    def has(self, kind: type) -> bool:
+        """Whether a resource of a type is open: an edge has no store of signals."""
+        return kind in self._open
 
     def get(self, kind: type[One]) -> One:
         """Return the resource of a type.

@@ -13,9 +13,9 @@ from app.live import repository
 from app.live.calibration.endpoints import router as calibration_router
 from app.live.calibration.messages import CalibrationIn
 from app.live.guidance.endpoints import router as guidance_router
-from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
+from app.live.side import SteeredSide
 from app.recordings.schemas import MarkIn
 from app.sentences import say
 from app.services import services_of
@@ -91,7 +91,7 @@ async def withdraw_safety(session_id: str, request: Request, subject: CurrentSub
     """
     services = services_of(request)
     hours = services.settings.implant_confirmation_hours
-    live: LiveManager = services.get(LiveManager)
+    live: SteeredSide = services.get(SteeredSide)
     try:
         return await asyncio.to_thread(
             repository.withdraw_safety, services.engine, subject, session_id, hours
@@ -106,20 +106,20 @@ async def state(session_id: str, request: Request, subject: CurrentSubject) -> S
     """Get the state of a session, live or not."""
     services = services_of(request)
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "status")
-    live: LiveManager = services.get(LiveManager)
+    live: SteeredSide = services.get(SteeredSide)
     return await live.state(session_id)
 
 
 Action = Literal["calibrate", "record", "stop", "mark", "close"]
 
 
-async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> LiveManager:
+async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> SteeredSide:
     """Return the live side after the access check, with the action in the audit trail."""
     services = services_of(request)
     await asyncio.to_thread(
         repository.authorise, services.engine, subject, session_id, "record", f"session.{action}"
     )
-    live: LiveManager = services.get(LiveManager)
+    live: SteeredSide = services.get(SteeredSide)
     return live
 
 

@@ -6,7 +6,7 @@ from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected
 
 from app.ingest.websocket import IngestConnection
-from app.live.manager import LiveManager
+from app.live.side import LiveSide
 from app.services import services_of
 
 router = APIRouter()
@@ -17,7 +17,7 @@ async def ingest(websocket: WebSocket) -> None:
     """Serve one gateway."""
     await websocket.accept()
     services = services_of(websocket)
-    connection = IngestConnection(websocket, services.get(LiveManager), services.settings.stream_speed)
+    connection = IngestConnection(websocket, services.get(LiveSide), services.settings.stream_speed)
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
 

@@ -4,13 +4,13 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 from weakref import WeakValueDictionary
 
 from sqlalchemy import Engine
 
+from app.accounts.subject import Subject
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
@@ -28,28 +28,25 @@ from app.live.session.intake import Intake
 from app.live.session.opening import Opener, check_network
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
-from app.live.session.stored import stored_state
+from app.live.session.stored import stored_layout, stored_state
+from app.live.side import SteeredSide
 from app.live.warmup import PREPARING, Readiness, prepare_process
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
+from app.schemas import Schema
 from app.sentences import Sentence, say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup
 
 logger = logging.getLogger(__name__)
 
-Answer = TypeVar("Answer")
 _NOT_CLOSED = say("live.not_closed")
-CHECK_EVERY_S: Final = 5.0
-CHECK_AT_LEAST_EVERY_S: Final = 30.0
-CHECKS_SHARE: Final = 0.03
-"""Of a processor, for checks of rights of all open sockets."""
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 
 
-class LiveManager:
+class LiveManager(SteeredSide):
     """Finds, opens, watches and closes live sessions.
 
     Parameters
@@ -82,9 +79,8 @@ class LiveManager:
         hemisphere: Hemisphere = "north",
         confirmation_hours: float = CONFIRMATION_HOURS,
     ) -> None:
-        self.engine = engine
+        super().__init__(engine, bus)
         self.writer = writer
-        self.bus = bus
         self._confirmation_hours = confirmation_hours
         self._on_closed = on_closed
         self._sessions: dict[str, LiveSession] = {}
@@ -111,9 +107,6 @@ class LiveManager:
         """Sessions whose gateway is to come again later, and why."""
         self.admission = Admission()
         self._measuring: asyncio.Task[None] | None = None
-        # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
-        self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
-        self._check_cost_s = 0.0
         self._check_process = CheckProcess()
         self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -151,7 +144,7 @@ class LiveManager:
         for session in list(self._sessions.values()):
             session.link_lost(say("live.stopped"))
             await session.saved()
-        self._checks.shutdown(cancel_futures=True)
+        self.end_checks()
         await asyncio.to_thread(self._check_process.close)
 
     def find(self, session_id: str) -> LiveSession | None:
@@ -162,6 +155,11 @@ class LiveManager:
     def sessions(self) -> list[LiveSession]:
         """Every session that is live here."""
         return list(self._sessions.values())
+
+    @property
+    def session_count(self) -> int:
+        """How many sessions are live here."""
+        return len(self._sessions)
 
     # --- gateways ---------------------------------------------------------------------------------------
 
@@ -184,6 +182,34 @@ class LiveManager:
         subject, stored = await asyncio.to_thread(
             repository.open_by_ticket, self.engine, hello.ticket, self._confirmation_hours
         )
+        session = await self.join(stored, declaration, subject)
+        may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
+        intake = Intake(
+            session,
+            partial(self._check_gateway, session, may_stream, Patience()),
+            self._detach,
+            self.pooled,
+        )
+        before = self._intakes.get(stored.id)
+        if before is not None:
+            before.end(Conflict(say("live.superseded"), reason="superseded"))
+        self._intakes[stored.id] = intake
+        session.connected()
+        self.announce(session)
+        return intake
+
+    async def join(
+        self, stored: repository.StoredSession, declaration: Declaration, subject: Subject | None = None
+    ) -> LiveSession:
+        """Return the live session of a stored one, opened when it is not live yet; raises as `open`.
+
+        Parameters
+        ----------
+        stored : StoredSession
+        declaration : Declaration
+        subject : Subject, optional
+            Whose limits count a session that is opened.
+        """
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
             if stored.id in self._closing:
                 raise Conflict(say("live.closed"), state="closing")
@@ -191,18 +217,20 @@ class LiveManager:
             if session is None:
                 if stored.state == "created":
                     self._admit(stored.id)
-                hold = self._limits.take("streams", subject)
+                hold = None if subject is None else self._limits.take("streams", subject)
                 self._being_opened.add(stored.id)
                 try:
                     session = await self._opener.open(
                         stored.id, declaration, partial(self._prepared, stored.id)
                     )
                 except BaseException:
-                    hold.release()
+                    if hold is not None:
+                        hold.release()
                     raise
                 finally:
                     self._being_opened.discard(stored.id)
-                self._holds[stored.id] = hold
+                if hold is not None:
+                    self._holds[stored.id] = hold
                 self._sessions[stored.id] = session
                 session.lane = Lane(session, self.pooled)
                 self._housekeeping.taken_up(stored.id)
@@ -212,23 +240,14 @@ class LiveManager:
                 raise Conflict(say("live.closed"), state=session.state)
             # Asked anew: the confirmation may have been revoked while the session was being opened.
             await self.check_source(stored.id)
-            may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
-            intake = Intake(
-                session,
-                partial(self._check_gateway, session, may_stream, Patience()),
-                self._detach,
-                self.pooled,
-            )
-            before = self._intakes.get(stored.id)
-            if before is not None:
-                before.end(Conflict(say("live.superseded"), reason="superseded"))
-            self._intakes[stored.id] = intake
-            session.connected()
-        self.bus.publish(topic(stored.id, "layout"), session.layout())
+            return session
+
+    def announce(self, session: LiveSession) -> None:
+        """Tell whoever watches already what a session that has come alive looks like."""
+        self.bus.publish(topic(session.id, "layout"), session.layout())
         if session.guidance is not None:
             # Who watches already has heard nothing of it: the session was not live.
-            self.bus.publish(topic(stored.id, "guidance"), session.guidance.message)
-        return intake
+            self.bus.publish(topic(session.id, "guidance"), session.guidance.message)
 
     def _detach(self, intake: Intake) -> None:
         if self._intakes.get(intake.session_id) is intake:
@@ -297,6 +316,19 @@ class LiveManager:
         if found is None:
             raise Conflict(say("live.not_connected"))
         return found
+
+    async def first_messages(self, stored: repository.StoredSession) -> list[Schema]:
+        """Return what a view receives when it connects: layout and state first."""
+        session = self._sessions.get(stored.id)
+        if session is None:
+            layout = await asyncio.to_thread(stored_layout, stored)
+            return [layout, self.stored_state(stored)]
+        first: list[Schema] = [session.layout(), session.state_message(), session.health_message()]
+        if session.calibration_message is not None:
+            first.append(session.calibration_message)
+        if session.guidance is not None:
+            first.append(session.guidance.message)
+        return first
 
     async def close(self, session_id: str, reason: str) -> StateMessage:
         """Close a session: store everything, then have it analysed. Closing twice is closing once.
@@ -378,25 +410,6 @@ class LiveManager:
     def stored_state(self, stored: repository.StoredSession) -> StateMessage:
         """Return the state of a session that is not live here."""
         return stored_state(stored, self._sent_away.get(stored.id))
-
-    async def check(self, work: Callable[[], Answer]) -> Answer:
-        """Run a small database read in the thread reserved for checks of open sockets."""
-
-        def timed() -> Answer:
-            began_s = time.thread_time()
-            try:
-                return work()
-            finally:
-                self._check_cost_s += 0.1 * (time.thread_time() - began_s - self._check_cost_s)
-
-        return await asyncio.get_running_loop().run_in_executor(self._checks, timed)
-
-    @property
-    def check_every_s(self) -> float:
-        """How often the right of an open socket is checked again: more rarely where very many are open."""
-        # A session has a gateway and, mostly, somebody who watches.
-        wanted_s = 2 * len(self._sessions) * self._check_cost_s / CHECKS_SHARE
-        return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)
 
     async def _check_gateway(
         self, session: LiveSession, may_stream: Callable[[], None], patience: Patience

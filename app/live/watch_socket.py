@@ -24,9 +24,8 @@ from app.errors import InvalidInput, SignInRequired, TelemotionError
 from app.live import repository
 from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
-from app.live.manager import LiveManager
 from app.live.patience import Patience
-from app.live.session.stored import stored_layout
+from app.live.side import LiveSide
 from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
 from app.network.messages import ErrorMessage
@@ -58,7 +57,7 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
             with services.limits.take("sockets", subject):
                 await asyncio.to_thread(check)
                 stored = await asyncio.to_thread(repository.load, services.engine, session_id)
-                await _serve(websocket, services.get(LiveManager), stored, check)
+                await _serve(websocket, services.get(LiveSide), stored, check)
         except TelemotionError as error:
             await _end(websocket, error)
 
@@ -92,7 +91,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
 
 
 async def _serve(
-    websocket: WebSocket, live: LiveManager, stored: repository.StoredSession, check: Check
+    websocket: WebSocket, live: LiveSide, stored: repository.StoredSession, check: Check
 ) -> None:
     names = ("layout", "state", "health", "event", "calibration", "guidance")
     blocks = topic(stored.id, "blocks")
@@ -102,17 +101,7 @@ async def _serve(
         live.bus.subscribe(*(topic(stored.id, name) for name in names), size=MESSAGES_KEPT) as messages,
         contextlib.ExitStack() as stack,
     ):
-        session = live.find(stored.id)
-        if session is not None:
-            first = [session.layout(), session.state_message(), session.health_message()]
-            if session.calibration_message is not None:
-                first.append(session.calibration_message)
-            if session.guidance is not None:
-                first.append(session.guidance.message)
-        else:
-            layout = await asyncio.to_thread(stored_layout, stored)
-            first = [layout, live.stored_state(stored)]
-        for message in first:
+        for message in await live.first_messages(stored):
             await websocket.send_text(message.model_dump_json())
         if socket is not None:
             stack.enter_context(live.bus.attach(BlockSender(blocks, socket)))
@@ -163,7 +152,7 @@ async def _receive(websocket: WebSocket) -> None:
         pass
 
 
-async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) -> None:
+async def _keep_checking(websocket: WebSocket, live: LiveSide, check: Check) -> None:
     def check_all() -> None:
         if websocket.cookies.get(COOKIE):
             current_subject(websocket)

@@ -1,0 +1,107 @@
+"""What endpoints and sockets ask of the live side, wherever its sessions are live: here, or on another machine."""
+
+import asyncio
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, TypeVar
+
+from sqlalchemy import Engine
+
+from app.ingest.websocket import Intake
+from app.live.bus import Bus
+from app.live.guidance.desk import GuidanceDesk
+from app.live.messages import StateMessage
+from app.live.repository import StoredSession
+from app.live.session.runner import LiveSession
+from app.network.declaration import Declaration
+from app.network.messages import HelloMessage
+from app.schemas import Schema
+
+Answer = TypeVar("Answer")
+CHECK_EVERY_S: Final = 5.0
+CHECK_AT_LEAST_EVERY_S: Final = 30.0
+CHECKS_SHARE: Final = 0.03
+"""Of a processor, for checks of rights of all open sockets."""
+
+
+class LiveSide(ABC):
+    """Where gateways' packets go, and where views learn of sessions; implements `app.ingest.websocket.PacketSink`.
+
+    Parameters
+    ----------
+    engine : Engine
+    bus : Bus
+        On which views hear of sessions.
+    """
+
+    def __init__(self, engine: Engine, bus: Bus) -> None:
+        self.engine = engine
+        self.bus = bus
+        # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
+        self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
+        self._check_cost_s = 0.0
+
+    @abstractmethod
+    async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
+        """Open the session of a hello's ticket; raises typed errors."""
+
+    @abstractmethod
+    async def first_messages(self, stored: StoredSession) -> Sequence[Schema]:
+        """Return what a view receives when it connects: layout and state first."""
+
+    @property
+    @abstractmethod
+    def session_count(self) -> int:
+        """Sessions whose sockets are looked after here."""
+
+    async def check(self, work: Callable[[], Answer]) -> Answer:
+        """Run a small database read in the thread reserved for checks of open sockets."""
+
+        def timed() -> Answer:
+            began_s = time.thread_time()
+            try:
+                return work()
+            finally:
+                self._check_cost_s += 0.1 * (time.thread_time() - began_s - self._check_cost_s)
+
+        return await asyncio.get_running_loop().run_in_executor(self._checks, timed)
+
+    @property
+    def check_every_s(self) -> float:
+        """How often the right of an open socket is checked again: more rarely where very many are open."""
+        # A session has a gateway and, mostly, somebody who watches.
+        wanted_s = 2 * self.session_count * self._check_cost_s / CHECKS_SHARE
+        return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)
+
+    def end_checks(self) -> None:
+        """Check nothing more."""
+        self._checks.shutdown(cancel_futures=True)
+
+
+class SteeredSide(LiveSide):
+    """A live side whose sessions are live in this process: people steer them here."""
+
+    @abstractmethod
+    def live(self, session_id: str) -> LiveSession:
+        """Return a live session; raises `Conflict` when no gateway has connected to it here."""
+
+    @abstractmethod
+    def guidance(self, session_id: str) -> GuidanceDesk:
+        """Return the guidance of a live session; raises `Conflict` as `live`."""
+
+    @abstractmethod
+    async def state(self, session_id: str) -> StateMessage:
+        """Return the state of any session, live or not."""
+
+    @abstractmethod
+    async def close(self, session_id: str, reason: str) -> StateMessage:
+        """Close a session; closing twice is closing once."""
+
+    @abstractmethod
+    async def check_source(self, session_id: str) -> None:
+        """Let the source of a session that is live here fire only while it is confirmed to be safe."""
+
+
+__all__ = ["LiveSide", "SteeredSide"]
