@@ -9,6 +9,7 @@ line offers one next action, which follows from these.
 """
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta, tzinfo
 from typing import Any, Final, Literal, get_args
@@ -146,6 +147,18 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     return [_row(line, done[line.patient.id], now, zone) for line in shown]
 
 
+def _due(prescriptions: Sequence[tuple[Prescription, Exercise]]) -> str:
+    """Return what is prescribed, exercise by exercise; empty for nothing."""
+    text = ""
+    for prescription, exercise in prescriptions:
+        amount = dose(prescription, exercise.movement)
+        if text:
+            text = say("caseload.due_also", before=text, name=exercise.name, dose=amount)
+        else:
+            text = say("caseload.due", name=exercise.name, dose=amount)
+    return text
+
+
 def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> CaseloadRow:
     patient, sessions, values, exercise = line.patient, line.sessions, line.values, line.exercise
     shown = values[-TREND_LENGTH:]
@@ -157,11 +170,12 @@ def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> Caseload
         given_name=patient.given_name,
         family_name=patient.family_name,
         affected_side=patient.affected_side,
-        due="; ".join(f"{named.name}: {dose(p, named.movement)}" for p, named in line.prescriptions),
+        due=_due(line.prescriptions),
         last_session_at=(last.started_at or last.created_at) if last else None,
         live_session_id=sessions.live_id,
         live_state=sessions.live_state,
         main_measure=measure_label(main_measure(exercise)) if exercise and values else None,
+        main_measure_name=main_measure(exercise) if exercise and values else None,
         main_unit=values[-1].unit if values else None,
         trend=[value.mean for value in shown],
         trend_low=[low for low, _ in bands],

@@ -105,6 +105,8 @@ class CaseloadRow(Spoken):
     live_state: Literal["streaming", "link_lost"] | None
     """Whether anything comes from the sensors of the open session."""
     main_measure: str | None
+    main_measure_name: str | None = None
+    """Its name; `main_measure` is its label."""
     main_unit: str | None
     trend: list[float]
     """The last ten values of the main measure, oldest first."""

@@ -13,8 +13,8 @@ from app.sentences import (
     general,
     guides,
     live,
-    measures,
     recordings,
+    registers,
     tables,
     tasks,
     wire,
@@ -32,7 +32,7 @@ ENGLISH: Final[dict[str, Entry]] = {
     **tables.ENGLISH,
     **guides.ENGLISH,
     **live.ENGLISH,
-    **measures.ENGLISH,
+    **registers.ENGLISH,
     **tasks.ENGLISH,
     **wire.ENGLISH,
 }

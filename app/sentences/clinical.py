@@ -3,6 +3,8 @@
 from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "caseload.due": "{name}: {dose}",
+    "caseload.due_also": "{before}; {name}: {dose}",
     "prescription.not_found": "Prescription not found, or not shared with you.",
     "exercise.not_found": "Exercise not found in your clinic.",
     "exercise.create_not_allowed": "Only therapists and administrators can add exercises.",

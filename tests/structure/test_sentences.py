@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from app.readers.registry import readers
+from app.recordings.analysis.estimator_choice import estimators_out
 from app.sentences import ENGLISH, german
 from app.sentences.german import GERMAN
 from estimators import sentences as of_estimators
@@ -16,9 +18,11 @@ from estimators.sentences._formats import is_of_codes
 ROOT = Path(__file__).resolve().parents[2]
 SAID_BY_LIBRARY = ("text.lines",)
 """By `Catalogue.together`."""
-KINDS = {"place", "side", "level", "state"} | {
-    f"measure_name.{one}" for one in ("repetition", "uneven", "walk")
+REGISTERS = {
+    *(f"measure_name.{one}" for one in ("repetition", "uneven", "walk")),
+    *(f"{one}_{part}" for one in ("estimator", "format") for part in ("title", "text")),
 }
+KINDS = {"place", "side", "level", "state"} | REGISTERS
 """Names that places may refer to as whole lists, or that the client says labels with; others where a place does."""
 
 
@@ -130,3 +134,13 @@ def texts_put_together() -> list[str]:
 
 def test_what_the_library_tells_people_has_a_code():
     assert texts_put_together() == []
+
+
+def test_titles_are_those_of_the_registers():
+    titles = {code: words for code, words in ENGLISH.items() if code.partition(".")[0] in REGISTERS}
+    known = {}
+    for one in estimators_out():
+        known |= {f"estimator_title.{one.name}": one.title, f"estimator_text.{one.name}": one.description}
+    for name, reader in readers().items():
+        known |= {f"format_title.{name}": reader.title, f"format_text.{name}": reader.description}
+    assert titles == known

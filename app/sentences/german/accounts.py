@@ -197,7 +197,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Seit {count} Tagen nichts geübt.",
     },
     "caseload.pain": "Die letzte Sitzung wurde abgebrochen, weil es wehtat.",
-    "channel.axial_rotation": "axiale Schulterrotation",
+    "channel.axial_rotation": "Schulterrotation (axial)",
     "channel.elbow_carrying": "Armaußenwinkel (Carrying Angle)",
     "channel.elbow_flexion": "Ellbogenflexion",
     "channel.elbow_x": "Ellbogen nach vorn",
@@ -338,6 +338,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "exercise.create_not_allowed": "Nur Therapie und Verwaltung können Übungen anlegen.",
     "exercise.not_found": "Diese Übung wurde in Ihrer Praxis nicht gefunden.",
     "exercise.walk_angle": "Ein Gang hat keinen Hauptwinkel; lassen Sie ihn leer.",
+    "caseload.due": "{name}: {dose}",
+    "caseload.due_also": "{before}; {name}: {dose}",
 }
 
 __all__ = ["GERMAN"]

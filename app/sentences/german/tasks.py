@@ -1,4 +1,4 @@
-"""German sentences of tasks and limits."""
+"""German sentences of tasks and limits, and titles of estimators and file formats."""
 
 from typing import Final
 
@@ -34,6 +34,49 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "limited.streams": "Übertragende Gateways",
     "limited.uploads": "Laufendes Hochladen",
     "limited.views": "Offene 3D-Ansichten",
+    "estimator_title.telemotion": "Telemotion",
+    "estimator_text.telemotion": "Lernt beim Tragen auch die Fehler jedes Sensors und nahe Magnete; die"
+    " genaueste direkte Schätzung.",
+    "estimator_title.vqf": "VQF",
+    "estimator_text.vqf": "Lernt die Drift des Sensors in Ruhe und Bewegung und übergeht vorübergehende"
+    " magnetische Störungen; weit verbreitet und gut erprobt.",
+    "estimator_title.marzouk_quaternion_ekf": "Quaternionen-Kalman-Filter",
+    "estimator_text.marzouk_quaternion_ekf": "Das veröffentlichte Filter zur Armüberwachung mit"
+    " berichtigten Gleichungen; zum Vergleich mit früheren Arbeiten.",
+    "estimator_title.marzouk_error_state_ekf": "Fehlerzustands-Kalman-Filter",
+    "estimator_text.marzouk_error_state_ekf": "Ein Kalman-Filter ohne singuläre Stellungen, dessen Neigung"
+    " nie einem Magneten folgt; gibt seine Unsicherheit an.",
+    "estimator_title.marzouk_euler_ekf": "Euler-Winkel-Kalman-Filter",
+    "estimator_text.marzouk_euler_ekf": "Das erste veröffentlichte Filter zur Armüberwachung, das sich"
+    " verliert, wenn der Sensor gerade nach oben oder unten zeigt; zum Vergleich mit früheren Arbeiten.",
+    "estimator_title.luinge_inclination": "Neigungs-Kalman-Filter",
+    "estimator_text.luinge_inclination": "Veröffentlichtes Filter, das Magnetismus übergeht: Wie weit sich"
+    " jeder Sensor neigt, stimmt; wohin er zeigt, driftet.",
+    "estimator_title.roetenberg_disturbance": "Kalman-Filter für magnetische Störungen",
+    "estimator_text.roetenberg_disturbance": "Veröffentlichtes Filter, das ermittelt, wie nahes Eisen das"
+    " Magnetfeld verbiegt, und daneben die Richtung hält.",
+    "estimator_title.telemotion_smoother": "Telemotion, nachträglich",
+    "estimator_text.telemotion_smoother": "Betrachtet die ganze Sitzung vorwärts und rückwärts, sobald sie"
+    " aufgezeichnet ist; am genauesten.",
+    "format_title.apdm": "APDM-Sensoren (CSV)",
+    "format_text.apdm": "Sensoren, nach ihrem Trageort benannt, wie das Programm von APDM sie schreibt",
+    "format_title.broad": "BROAD-Versuch (.mat, .hdf5)",
+    "format_text.broad": "Ein Sensor mit seiner optischen Referenz",
+    "format_title.csv": "Tabelle (CSV)",
+    "format_text.csv": "Beliebige Sensoren: Sie geben an, welche Spalte was ist, und in welcher Einheit",
+    "format_title.gait_tracking": "Gang mit einem Fußsensor (x-io, CSV)",
+    "format_text.gait_tracking": "Ein Sensor an einem Fuß, wie der Gait-Tracking-Satz ihn schreibt",
+    "format_title.gaitmap": "Gang mit beiden Füßen (gaitmap, CSV)",
+    "format_text.gaitmap": "Sensoren an beiden Füßen, wie die gaitmap-Bibliothek sie schreibt",
+    "format_title.instrumented_shoe": "Gang auf Messschuhen (CSV)",
+    "format_text.instrumented_shoe": "Inertialsensoren und Kraftmesszellen unter Ferse und Vorfuß",
+    "format_title.packet_log": "Paketprotokoll eines Gateways",
+    "format_text.packet_log": "Wie aus einer Sitzung heruntergeladen oder von einem Gateway gespeichert"
+    " (.tmlog)",
+    "format_title.pyshoe": "Gang mit einem Fußsensor (PyShoe, .mat)",
+    "format_text.pyshoe": "Ein Sensor am rechten Fuß",
+    "format_title.qmt_mat": "Ganzkörperaufzeichnung (.mat)",
+    "format_text.qmt_mat": "MATLAB-Datei mit 16 benannten Sensoren; Arme und Rumpf werden verwendet",
 }
 
 __all__ = ["GERMAN"]

@@ -58,7 +58,7 @@ async function send(path: string, init: RequestInit): Promise<Response> {
 
 /** An answer with its sentences in the reader's language; their words are fetched when the first of them arrives. */
 async function heard<T>(text: string): Promise<T> {
-  if (/"sentences":{"|"label":"/.test(text)) await sentencesReady();
+  if (/"(sentences":{"|label":"|main_measure":"|is_offline":|endings":)/.test(text)) await sentencesReady();
   return inOurWords(JSON.parse(text) as T);
 }
 

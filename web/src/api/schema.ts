@@ -2528,6 +2528,8 @@ export interface components {
             live_state: ("streaming" | "link_lost") | null;
             /** Main Measure */
             main_measure: string | null;
+            /** Main Measure Name */
+            main_measure_name?: string | null;
             /** Main Unit */
             main_unit: string | null;
             /** Patient Id */

@@ -10,7 +10,7 @@ import type { KeyboardEvent } from 'react';
 import type { Repetition, SessionEvent } from '../api/types';
 import { t } from '../i18n';
 import { eventText } from '../lib/events';
-import { position } from '../lib/format';
+import { plainTick, position } from '../lib/format';
 import { repetitionAt } from '../lib/assessment/warp';
 import { useClockText, useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
@@ -139,7 +139,7 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
           aria-label={t('timeline.speed')}
           value={String(speed)}
           onChange={(value) => player.setSpeed(Number(value))}
-          data={SPEEDS.map((value) => ({ value, label: `${value}×` }))}
+          data={SPEEDS.map((value) => ({ value, label: `${plainTick(Number(value), 2)}×` }))}
         />
       </div>
       {repetitions.length > 0 && (

@@ -31,6 +31,14 @@ export function speakWith(name: string, words: Catalogue): void {
   if (typeof document !== 'undefined') document.documentElement.lang = name;
 }
 
+/** A text with its places filled. A value that ends with a point, as German short dates do, ends the sentence too. */
+function put(text: string, value: (name: string) => string): string {
+  return text.replace(/\{(\w+)\}(\.(?!\.))?/g, (_, name: string, point = '') => {
+    const filled = value(name);
+    return filled.endsWith('.') ? filled : filled + String(point);
+  });
+}
+
 /** The text of a key with its parameters put in. */
 export function t<K extends Key>(key: K, ...values: Arguments<K>): string {
   const entry: Entry = catalogue[key];
@@ -41,7 +49,7 @@ export function t<K extends Key>(key: K, ...values: Arguments<K>): string {
       : new Intl.PluralRules(language).select(Number(given.count)) === 'one'
         ? entry.one
         : entry.other;
-  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(given[name] ?? `{${name}}`));
+  return put(text, (name) => String(given[name] ?? `{${name}}`));
 }
 
 /** Whether there is a text for a key that is put together at run time, such as a code of the service. */

@@ -1,4 +1,5 @@
-// What measures and curves are called. The service labels them in English; in another language the label is made anew of their names.
+// What measures, curves, estimators and file formats are called. The service labels them in English; in another language the labels
+// are made anew of their names.
 import { t, tOr } from './index';
 
 const ANGLE = /^([a-z]+_[a-z]+)_(?:left|right)_[a-z]{3}_([a-z_]+)$/;
@@ -18,7 +19,7 @@ function curve(channel: string): string | null {
 }
 
 /** The label of a measure or of a curve, with names of measures by their code; null where nothing is known of it. */
-export function labelOf(
+function labelOf(
   about: { measure?: unknown; channel?: unknown },
   named: (code: string) => string | null,
 ): string | null {
@@ -33,4 +34,18 @@ export function labelOf(
   if (second === 'uneven') return named(`measure_name.uneven.${third}`);
   const name = named(`measure_name.walk.${second}`);
   return name !== null && (third === 'left' || third === 'right') ? `${name}, ${t(`side.${third}`)}` : name;
+}
+
+type Named = Record<string, unknown>;
+
+/** Labels, titles and descriptions of one object of an answer, in place. */
+export function relabel(answer: Named, named: (code: string) => string | null): void {
+  if (typeof answer.label === 'string') answer.label = labelOf(answer, named) ?? answer.label;
+  if (typeof answer.main_measure === 'string')
+    answer.main_measure = labelOf({ measure: answer.main_measure_name }, named) ?? answer.main_measure;
+  const register = 'is_offline' in answer ? 'estimator' : 'endings' in answer ? 'format' : null;
+  if (register && typeof answer.name === 'string') {
+    answer.title = named(`${register}_title.${answer.name}`) ?? answer.title;
+    answer.description = named(`${register}_text.${answer.name}`) ?? answer.description;
+  }
 }

@@ -2,7 +2,7 @@
 // `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`. The service itself
 // writes English: no page loads that catalogue to read what it was sent, only those that know a code and no text (`codes.ts`).
 import { currentLanguage, formatLocale, withinSentence } from './index';
-import { labelOf } from './labels';
+import { relabel } from './labels';
 
 /** What a text of the service says, for saying it again. */
 export interface Sentence {
@@ -128,10 +128,7 @@ export function inOurWords<T>(answer: T): T {
       for (const [name, sentence] of Object.entries(answer.sentences)) fields[name] = spoken(fields[name], sentence);
     }
     const own = catalogues[currentLanguage()];
-    if (own && typeof answer.label === 'string') {
-      const fields: Record<string, unknown> = answer;
-      fields.label = labelOf(answer, (code) => (code in own ? said({ code }, own) : null)) ?? answer.label;
-    }
+    if (own) relabel(answer, (code) => (code in own ? said({ code }, own) : null));
     for (const [name, value] of Object.entries(answer))
       if (name !== 'sentences' && typeof value === 'object') inOurWords(value);
   }

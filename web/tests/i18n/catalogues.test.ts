@@ -30,6 +30,7 @@ const ALIKE = new Set([
   'Telemotion',
   'Telemotion {version}',
   'Ticket',
+  'VQF',
   'Version',
   'Version {number}, {date}',
   'cm',

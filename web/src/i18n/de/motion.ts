@@ -12,7 +12,7 @@ export const motion: Translated<typeof english> = {
 
   'angle.thorax_humerus.plane_of_elevation': 'Elevationsebene der Schulter',
   'angle.thorax_humerus.elevation': 'Schulterelevation',
-  'angle.thorax_humerus.axial_rotation': 'Axiale Schulterrotation',
+  'angle.thorax_humerus.axial_rotation': 'Schulterrotation (axial)',
   'angle.humerus_forearm.flexion': 'Ellbogenflexion',
   'angle.humerus_forearm.carrying': 'Armaußenwinkel (Carrying Angle)',
   'angle.humerus_forearm.pronation': 'Unterarmpronation',
