@@ -28,6 +28,7 @@ COMPARISON_MAGIC = b"TMC1"
 VERSION = 1
 _PREFIX = struct.Struct("<4sHI")
 _MOST_BYTES = 256 * 2**20
+_ARRAYS_OF_EACH = 6
 
 
 def _pack(magic: bytes, header: dict[str, Any], arrays: list[Float]) -> bytes:
@@ -144,6 +145,7 @@ def comparison_to_bytes(result: ComparisonResult) -> bytes:
         "channels": result.channels,
         "findings": for_json(list(result.findings)),
         "summary": _measure_header(result.summary),
+        "arrays_of_each": _ARRAYS_OF_EACH,
         "repetitions": [
             {
                 "number": r.repetition.number,
@@ -159,7 +161,7 @@ def comparison_to_bytes(result: ComparisonResult) -> bytes:
     arrays = [_measure_array(result.summary)]
     for r in result.repetitions:
         bounds = np.array([r.repetition.start_s, r.repetition.end_s])
-        arrays += [bounds, _measure_array(r.measures), r.curves, r.aligned, r.warp_template_phase]
+        arrays += [bounds, _measure_array(r.measures), r.curves, r.aligned, r.warp_template_phase, r.sigma]
     return _pack(COMPARISON_MAGIC, header, arrays)
 
 
@@ -174,8 +176,9 @@ def comparison_from_bytes(data: bytes) -> ComparisonResult:
     header, arrays = _unpack(COMPARISON_MAGIC, data, "comparison")
     try:
         repetitions = []
+        each = int(header.get("arrays_of_each", 5))  # formerly without `sigma`
         for place, stored in enumerate(header["repetitions"]):
-            bounds, values, curves, aligned, warp = arrays[1 + 5 * place : 6 + 5 * place]
+            bounds, values, curves, aligned, warp, *sigma = arrays[1 + each * place : 1 + each * (place + 1)]
             repetitions.append(
                 RepetitionResult(
                     repetition=Repetition(
@@ -189,6 +192,7 @@ def comparison_from_bytes(data: bytes) -> ComparisonResult:
                     measures=_measures(stored["measures"], values),
                     curves=curves,
                     aligned=aligned,
+                    sigma=sigma[0] if sigma else np.full_like(aligned, np.nan),
                     warp_template_phase=warp,
                     outside={name: [(a, b) for a, b in runs] for name, runs in stored["outside"].items()},
                 )

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.comparison._alignment import align, apply
+from estimators.comparison._alignment import align, apply, resample
 from estimators.comparison._beside import beside_template
 from estimators.comparison._channels import ArmChannels, arm_channels, mirror_template
 from estimators.comparison._contract import (
@@ -138,13 +138,16 @@ class Comparison:
         template, own, scaled = self.template, self.own.cut(repetition), self.scaled.cut(repetition)
         if len(own.time_s) < 2:
             empty = np.full((PHASES, len(template.channels)), np.nan)
-            return RepetitionResult(repetition, (), empty, empty, np.linspace(0.0, PHASES - 1, PHASES), {})
+            return RepetitionResult(
+                repetition, (), empty, empty, empty, np.linspace(0.0, PHASES - 1, PHASES), {}
+            )
         curves = near(_on_template_channels(scaled, template), template.mean, template.channels)
         alignment = align_timing(
             curves, template.mean, alignment_scale(template.channels, template.tolerance)
         )
         aligned = apply(alignment, curves, PHASES)
         sigma = _channel_sigma(scaled, template)
+        own_sigma = apply(alignment, _phase_sigma(scaled, template), PHASES)
         measures = repetition_measures(
             self.source, own, repetition, template.side, self.reach_m, template.primary_channel, self.turning
         )
@@ -154,8 +157,9 @@ class Comparison:
             measures=tuple(measures),
             curves=curves,
             aligned=aligned,
+            sigma=own_sigma,
             warp_template_phase=alignment.warp,
-            outside=_outside(aligned, template),
+            outside=_outside(aligned, own_sigma, template),
         )
 
 
@@ -179,6 +183,21 @@ def _on_template_channels(arm: ArmChannels, template: Template) -> Float:
     return curves
 
 
+def _phase_sigma(arm: ArmChannels, template: Template) -> Float:
+    """Sensor uncertainty per phase and template channel, shape (101, C); NaN where unknown.
+
+    Near the singularity of its sequence an angle is many times less certain than in the rest of the movement.
+    """
+    measured = resample(arm.time_s, arm.sigma, PHASES)
+    sigma = np.full((PHASES, len(template.channels)), np.nan)
+    for column, name in enumerate(template.channels):
+        if "." in name:
+            sigma[:, column] = position_sigma(arm, template.reach_m)
+        elif name in arm.channels:
+            sigma[:, column] = measured[:, arm.channels.index(name)]
+    return sigma
+
+
 def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
     """Typical sensor uncertainty per template channel, shape (C,); NaN where unknown."""
     sigma = np.full(len(template.channels), np.nan)
@@ -191,8 +210,11 @@ def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
     return sigma
 
 
-def _outside(aligned: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
-    """Half-open phase intervals of the template where the patient is outside the band, of channels that count."""
+def _outside(aligned: Float, sigma: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
+    """Half-open phase intervals of the template where the patient is outside the band, of channels that count.
+
+    What differs by no more than two standard deviations of its own is not known to be outside.
+    """
     outside: dict[str, list[tuple[int, int]]] = {}
     for column, name in enumerate(template.channels):
         if not template.counts[column]:
@@ -201,6 +223,7 @@ def _outside(aligned: Float, template: Template) -> dict[str, list[tuple[int, in
         beyond: NDArray[np.bool_] = (difference > template.above[:, column]) | (
             -difference > template.below[:, column]
         )
+        beyond &= ~(np.abs(difference) <= 2.0 * sigma[:, column])
         edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]]).astype(np.int8)))
         runs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
         long_enough = [(start, end) for start, end in runs if end - start >= _SHORTEST_OUTSIDE]

@@ -171,6 +171,8 @@ class RepetitionResult:
         The patient's channels over patient phase.
     aligned : ndarray, shape (101, C)
         The patient's channels over template phase, after alignment in time.
+    sigma : ndarray, shape (101, C)
+        One standard deviation of `aligned` by the sensors' own uncertainty there, NaN where unknown.
     warp_template_phase : ndarray, shape (101,)
         Template phase (0 to 100) for each patient phase; never decreases.
     outside : dict of channel to list of half-open phase intervals of the template
@@ -180,6 +182,7 @@ class RepetitionResult:
     measures: tuple[Measure, ...]
     curves: Float
     aligned: Float
+    sigma: Float
     warp_template_phase: Float
     outside: dict[str, list[tuple[int, int]]]
 

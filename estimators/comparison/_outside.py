@@ -8,6 +8,7 @@ import scipy
 from numpy.typing import NDArray
 
 from estimators.comparison._contract import PHASES, RepetitionResult, Template
+from estimators.recording import Float
 
 _CONFIDENCE = 0.975
 _LEAST_OF_PHASE = 0.25
@@ -58,9 +59,9 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
 
     Notes
     -----
-    Where the mean curve of the repetitions is farthest beyond the band, its distance to the template's mean must
-    exceed the 95 percent limit that the sensors (two standard deviations, common to all repetitions) and the
-    spread between the repetitions (Student) leave it.
+    Only those phases count at which the distance of the mean curve to the template's mean exceeds the 95 percent limit
+    that the sensors (two standard deviations of the value there, common to all repetitions) and the spread between the
+    repetitions (Student) leave it.
     """
     angles = _leave(retained, template, positions=False)
     return angles or _leave(retained, template, positions=True)
@@ -79,11 +80,11 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
         known &= np.isfinite(width)
         if not known.any():
             continue
+        known &= np.abs(mean) > _limit(retained, channel, column, difference)
         beyond = np.where(known, np.abs(mean) - width, -np.inf)
         phase = int(np.argmax(beyond))
-        limit = _limit(retained, channel, difference[:, phase])
         least = _LEAST_M if "." in channel or channel.endswith("_m") else _LEAST_RAD
-        if beyond[phase] <= least or abs(mean[phase]) <= limit:
+        if beyond[phase] <= least:
             continue
         often = np.zeros(len(beyond))
         for one in retained:
@@ -115,18 +116,19 @@ def _names(places: NDArray[np.intp], template: Template) -> tuple[str, ...]:
     )
 
 
-def _limit(retained: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:
+def _limit(retained: Sequence[RepetitionResult], channel: str, column: int, difference: Float) -> Float:
+    """Return the 95 percent limit of the mean curve at each phase, shape (101,), of differences of shape (R, 101)."""
     # The residual of the path is known as well as any place of the hand.
     names = {"path_residual"} if "." in channel else {f"range:{channel}", f"compensation:{channel}"}
     own = [m.uncertainty for one in retained for m in one.measures if m.name in names]
     known = [value for value in own if np.isfinite(value)]
-    sensor = 2.0 * float(np.median(known)) if known else 0.0
-    count = len(differences)
-    chance = 0.0
-    if count > 1:
-        spread = float(differences.std(ddof=1)) / np.sqrt(count)
-        chance = float(scipy.stats.t.ppf(_CONFIDENCE, count - 1)) * spread
-    return float(np.hypot(sensor, chance))
+    there = np.max([np.nan_to_num(one.sigma[:, column]) for one in retained], axis=0)
+    sensor = 2.0 * np.maximum(float(np.median(known)) if known else 0.0, there)
+    count = len(difference)
+    if count < 2:
+        return np.asarray(sensor)
+    quantile = float(scipy.stats.t.ppf(_CONFIDENCE, count - 1))
+    return np.asarray(np.hypot(sensor, quantile * difference.std(axis=0, ddof=1) / np.sqrt(count)))
 
 
 __all__ = ["Outside", "outside_band"]
