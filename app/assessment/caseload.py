@@ -3,15 +3,16 @@
 Reasons, the most urgent first: `pain` (the last session was stopped because it hurt), `declining` (the main measure
 fell by more than the minimal detectable change), `link_lost` (a session is open and nothing comes from its sensors),
 `compensation` (trunk or shoulder did more than in the template), `few_repetitions` (fewer than half of the prescribed
-ones were valid), `not_practising`, `bad_data` (the last session failed or lost more than a tenth of its packets),
-`no_template`. That somebody streams is no worry: it stands beside the reason in `live_state` and ranks nobody. Each
-line offers one next action, which follows from these.
+ones were valid), `not_practising`, `rarely_practised` (fewer than half of the sessions that were due in four weeks),
+`bad_data` (the last session failed or lost more than a tenth of its packets), `no_template`. That somebody streams is
+no worry: it stands beside the reason in `live_state` and ranks nobody. Each line offers one next action, which follows
+from these.
 """
 
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta, tzinfo
+from datetime import datetime, timedelta
 from typing import Any, Final, Literal, get_args
 
 from sqlalchemy import func, or_, select
@@ -20,7 +21,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment.course.attention import Last, last_sessions
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
-from app.assessment.practice import ADHERENCE_WINDOW, WHEN, Done, adherence, done_since, last_done, zone_of
+from app.assessment.practice import ADHERENCE_WINDOW, WHEN, adherence, done_since, last_done, zone_of
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
@@ -40,6 +41,7 @@ Reason = Literal[
     "compensation",
     "few_repetitions",
     "not_practising",
+    "rarely_practised",
     "bad_data",
     "no_template",
     "",
@@ -55,6 +57,7 @@ _ACTIONS: Final[dict[Reason, Action]] = {
     "compensation": "replay",
     "few_repetitions": "replay",
     "not_practising": "contact",
+    "rarely_practised": "contact",
     "bad_data": "replay",
     "no_template": "record_template",
 }
@@ -65,6 +68,8 @@ QUIET = timedelta(days=7)
 """Without a session for this long, somebody with a prescription is not practising; rarer prescriptions get
 longer."""
 LOSS_LIMIT = 0.10
+LEAST_ADHERENCE_PERCENT = 50.0
+"""Of the sessions that were due; asked after a week, before which one missed is no habit."""
 TREND_LENGTH = 10
 PRACTICE_WINDOW = 4 * ADHERENCE_WINDOW
 """What was done before it is not looked at."""
@@ -89,6 +94,7 @@ class _Line:
     sessions: _Sessions
     values: list[SessionValue]
     exercise: Exercise | None
+    adherence_percent: float | None
     reason: Reason
     text: str
 
@@ -112,8 +118,8 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
     page : Page
-        The order is worked out from everybody's newest sessions: who rises between two pages is seen in both. What
-        the order does not ask for is worked out for the patients of the page alone.
+        The order is worked out from everybody's newest sessions and how often they practised: who rises between two
+        pages is seen in both. What the order does not ask for is worked out for the patients of the page alone.
     """
     now = utc_now()
     zone = zone_of(session, subject.clinic_id, default_zone)
@@ -128,6 +134,7 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
         session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
     )
     lasts = last_sessions(session, [one.last for one in sessions.values() if one.last is not None])
+    done = done_since(session, [one for one in ids if prescriptions[one]], now - PRACTICE_WINDOW)
     lines = []
     for patient in patients:
         exercise = mains.get(patient.id)
@@ -139,12 +146,12 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
             and value.measure == main_measure(exercise)
         ]
         given, found = prescriptions[patient.id], sessions[patient.id]
-        reason, text = _reason(given, found, own, with_version, now, lasts.get(patient.id))
-        lines.append(_Line(patient, given, found, own, exercise, reason, text))
+        practised = adherence([one for one, _ in given], done[patient.id], now, zone)
+        reason, text = _reason(given, found, own, with_version, now, lasts.get(patient.id), practised)
+        lines.append(_Line(patient, given, found, own, exercise, practised, reason, text))
     lines.sort(key=lambda line: line.place)
     shown = page.cut(lines, lambda line: line.place)
-    done = done_since(session, [line.patient.id for line in shown], now - PRACTICE_WINDOW)
-    return [_row(line, done[line.patient.id], now, zone) for line in shown]
+    return [_row(line) for line in shown]
 
 
 def _due(prescriptions: Sequence[tuple[Prescription, Exercise]]) -> str:
@@ -159,7 +166,7 @@ def _due(prescriptions: Sequence[tuple[Prescription, Exercise]]) -> str:
     return text
 
 
-def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> CaseloadRow:
+def _row(line: _Line) -> CaseloadRow:
     patient, sessions, values, exercise = line.patient, line.sessions, line.values, line.exercise
     shown = values[-TREND_LENGTH:]
     pooled = pooled_spread(values)
@@ -180,7 +187,7 @@ def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> Caseload
         trend=[value.mean for value in shown],
         trend_low=[low for low, _ in bands],
         trend_high=[high for _, high in bands],
-        adherence_percent=adherence([p for p, _ in line.prescriptions], done, now, zone),
+        adherence_percent=line.adherence_percent,
         reason=line.reason,
         reason_text=line.text,
         action=_action(line),
@@ -211,6 +218,7 @@ def _reason(
     with_version: set[str],
     now: datetime,
     last: Last | None,
+    practised_percent: float | None,
 ) -> tuple[Reason, str]:
     prescriptions = [prescription for prescription, _ in given]
     if last is not None and last.has_pain:
@@ -229,6 +237,8 @@ def _reason(
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:
         return "not_practising", say("caseload.not_practising", count=quiet.days)
+    if _is_rare(prescriptions, practised_percent, now):
+        return "rarely_practised", say("caseload.rarely_practised", share=(practised_percent or 0.0) / 100.0)
     text = _bad_data(sessions.last)
     if text:
         return "bad_data", text
@@ -245,6 +255,12 @@ def _quiet_for(prescriptions: list[Prescription], sessions: _Sessions, now: date
     begun = min(prescription.starts_at for prescription in prescriptions)
     quiet = now - max(sessions.practised_at or begun, begun)
     return quiet if quiet > allowed else None
+
+
+def _is_rare(prescriptions: list[Prescription], practised_percent: float | None, now: datetime) -> bool:
+    if practised_percent is None or practised_percent >= LEAST_ADHERENCE_PERCENT:
+        return False
+    return now - min(prescription.starts_at for prescription in prescriptions) >= QUIET
 
 
 def _bad_data(last: MotionSession | None) -> str:

@@ -120,6 +120,7 @@ class CaseloadRow(Spoken):
         "compensation",
         "few_repetitions",
         "not_practising",
+        "rarely_practised",
         "bad_data",
         "no_template",
         "",

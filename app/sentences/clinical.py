@@ -47,6 +47,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "one": "Nothing practised for {count} day.",
         "other": "Nothing practised for {count} days.",
     },
+    "caseload.rarely_practised": "{share:percent} of the sessions of the last four weeks were done.",
     "caseload.no_template": "An exercise is prescribed without a template to compare with.",
     "caseload.failed": "The last session failed.",
     "caseload.lost": "The last session lost {share:percent} of its packets.",

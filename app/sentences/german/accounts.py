@@ -196,6 +196,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "one": "Seit {count} Tag nichts geübt.",
         "other": "Seit {count} Tagen nichts geübt.",
     },
+    "caseload.rarely_practised": "{share:percent} der Sitzungen der letzten vier Wochen wurden gemacht.",
     "caseload.pain": "Die letzte Sitzung wurde abgebrochen, weil es wehtat.",
     "channel.axial_rotation": "Schulterrotation (axial)",
     "channel.elbow_carrying": "Armaußenwinkel (Carrying Angle)",

@@ -193,6 +193,20 @@ def reason_not_practising(history):
     history.session(20, [1.0, 1.1])
 
 
+def reason_rarely_practised(history):
+    history.prescribe(14, times_per_week=5)
+    for age in (13, 6, 2):
+        history.session(age, [1.0, 1.1])
+
+
+def test_the_first_week_is_too_short_to_be_called_rare(history, therapist, world):
+    history.prescribe(6, times_per_week=5)
+    history.session(5, [1.0, 1.1])
+    row = line(therapist, world)
+    assert row["adherence_percent"] < 50.0
+    assert row["reason"] == ""
+
+
 def reason_bad_data(history):
     history.session(1, [1.0, 1.1], packets_stored=80, packets_missing=20)
 
@@ -239,6 +253,7 @@ def reason_few_repetitions(history):
         ("declining", reason_declining),
         ("link_lost", reason_link_lost),
         ("not_practising", reason_not_practising),
+        ("rarely_practised", reason_rarely_practised),
         ("bad_data", reason_bad_data),
         ("no_template", reason_no_template),
     ],
@@ -257,6 +272,7 @@ def test_each_reason_to_look(history, therapist, world, reason, arrange):
             "declining": "progress",
             "link_lost": "open_live",
             "not_practising": "contact",
+            "rarely_practised": "contact",
             "bad_data": "replay",
             "no_template": "record_template",
         }[reason]
@@ -341,7 +357,9 @@ def test_improvement_and_rest_are_no_reasons(history, therapist, world):
     assert line(therapist, world)["reason"] == "", "once a week may rest for two weeks"
 
 
-def test_a_page_of_the_caseload_works_out_its_own_lines_only(history, therapist, world, monkeypatch):
+def test_a_page_of_the_caseload_works_out_only_its_own_lines_and_the_order(
+    history, therapist, world, monkeypatch
+):
     counted: Counter[str] = Counter()
 
     def count(name, size=lambda *_: 1):
@@ -367,7 +385,8 @@ def test_a_page_of_the_caseload_works_out_its_own_lines_only(history, therapist,
     page = therapist.get("/api/caseload", params={"limit": 1}).json()
     assert page == whole[:1]
     shown = len(page[0]["trend"])
-    assert counted == {"adherence": 1, "dose": 1, "band": shown, "pooled_spread": 1, "done_since": 1}
+    # How often somebody practised is a reason to look, so that the order asks for it.
+    assert counted == {"adherence": 2, "dose": 1, "band": shown, "pooled_spread": 1, "done_since": 2}
 
 
 def test_adherence_counts_each_exercise_at_most_in_full():

@@ -2538,7 +2538,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "pain" | "declining" | "link_lost" | "compensation" | "few_repetitions" | "not_practising" | "bad_data" | "no_template" | "";
+            reason: "pain" | "declining" | "link_lost" | "compensation" | "few_repetitions" | "not_practising" | "rarely_practised" | "bad_data" | "no_template" | "";
             /** Reason Text */
             reason_text: string;
             /** Sentences */

@@ -36,6 +36,7 @@ const REASONS = {
   few_repetitions: { Icon: IconRepeatOff, tone: '' },
   bad_data: { Icon: IconWifiOff, tone: '' },
   not_practising: { Icon: IconCalendarOff, tone: '' },
+  rarely_practised: { Icon: IconCalendarOff, tone: '' },
   no_template: { Icon: IconRouteOff, tone: '' },
 } as const;
 

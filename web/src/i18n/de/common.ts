@@ -145,6 +145,7 @@ export const common: Translated<typeof english> = {
   'reason.link_lost': 'Signal verloren',
   'reason.bad_data': 'Schlechte Daten',
   'reason.not_practising': 'Übt nicht',
+  'reason.rarely_practised': 'Übt selten',
   'reason.no_template': 'Keine Vorlage',
   'reason.none': 'Nichts zu tun',
 };

@@ -138,6 +138,7 @@ export const common = {
   'reason.link_lost': 'Signal lost',
   'reason.bad_data': 'Poor data',
   'reason.not_practising': 'Not practising',
+  'reason.rarely_practised': 'Practises rarely',
   'reason.no_template': 'No template',
   'reason.none': 'No action needed',
 } as const;

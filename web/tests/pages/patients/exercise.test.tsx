@@ -95,7 +95,7 @@ describe('an exercise while it is done', () => {
     await userEvent.click(screen.getByRole('button', { name: 'It hurts' }));
     expect(screen.getByRole('heading', { name: 'Stop and rest' })).toBeTruthy();
     expect(asked).toEqual([['POST /api/sessions/s/guidance', { command: 'pain' }]]);
-    expect((await screen.findByRole('alert')).textContent).toContain('could not be told');
+    expect((await screen.findByRole('alert')).textContent).toContain('could not be reached');
     expect(await faults(container)).toEqual([]);
   });
 
@@ -211,6 +211,22 @@ describe('the questions after it', () => {
     await userEvent.click(screen.getByRole('button', { name: 'Send to my therapist' }));
     expect(asked.at(-1)).toEqual(['PUT /api/sessions/s/answers', { pain: 1, effort: 6 }]);
     expect(await screen.findByText('Thank you. Your therapist can read it.')).toBeTruthy();
+  });
+
+  it('knows what was counted after the page was loaded again', async () => {
+    const told = (kind: string, code: string) => ({ kind, sentences: { text: { code, params: { number: 1 } } } });
+    const events = [
+      told('repetition', 'guided.valid'),
+      told('repetition', 'guided.partial'),
+      told('cue', 'guidance.further'),
+      told('repetition', 'guided.valid'),
+      told('repetition', 'guided.valid'),
+      { kind: 'state', sentences: {} },
+    ] as unknown as SessionDetail['events'];
+    show(<After session={{ ...session, events }} guidance={null} />, (path) =>
+      Response.json(path.endsWith('/answers') ? empty : { measures: [] }),
+    );
+    expect(await screen.findByText('You did 3 good movements.')).toBeTruthy();
   });
 });
 

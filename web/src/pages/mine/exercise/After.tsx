@@ -44,12 +44,20 @@ function Scale({
   );
 }
 
+/** What was counted, as the time line holds it: a page that is loaded again hears no guidance of a closed session. */
+function validOf(session: SessionDetail): number {
+  return session.events.filter((one) => {
+    const text = one.sentences?.text;
+    return one.kind === 'repetition' && text && !Array.isArray(text) && text.code === 'guided.valid';
+  }).length;
+}
+
 /** One sentence that is true: a change only where it is larger than its uncertainty, else what was done. */
 function TrueWord({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
   const progress = useProgress(session.patient_id, session.exercise_id ?? null);
   const main = mainMeasure(progress.data?.measures ?? []);
   const isNew = main?.points.some((one) => one.session_id === session.id);
-  const valid = guidance?.counts.valid ?? 0;
+  const valid = guidance?.counts.valid ?? validOf(session);
   const did = valid > 0 ? t('after.did', { count: valid }) : t('after.didNone');
   return <p className="mine-say">{isNew && main?.is_real_change ? plainProgress(main) : did}</p>;
 }
