@@ -40,7 +40,7 @@ from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Exercise
-from app.live import warmup
+from app.live import admission, warmup
 from app.main import create_app
 from app.patients.models import Grant, Patient
 from app.services import Services
@@ -292,6 +292,9 @@ def application(
     # Compiled in this process, however long it takes: a test is no gateway that comes back.
     monkeypatch.setattr(warmup, "load_or_compile", warm_up_once)
     monkeypatch.setattr(warmup, "PATIENCE_S", 600.0)
+    # Other work on the machine makes nobody's session wait here; who is sent away has a test of its own.
+    monkeypatch.setattr(admission, "LATE_S", 600.0)
+    monkeypatch.setattr(admission, "MOST_BUSY", 600.0)
     return create_app(settings, passwords=cheap_passwords)
 
 
