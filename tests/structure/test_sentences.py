@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.readers.registry import readers
-from app.recordings.analysis.estimator_choice import estimators_out
+from app.ingest.client_words import english
 from app.sentences import ENGLISH, german
 from app.sentences.german import GERMAN
 from estimators import sentences as of_estimators
@@ -18,12 +17,11 @@ from estimators.sentences._formats import is_of_codes
 ROOT = Path(__file__).resolve().parents[2]
 SAID_BY_LIBRARY = ("text.lines",)
 """By `Catalogue.together`."""
-REGISTERS = {
-    *(f"measure_name.{one}" for one in ("repetition", "uneven", "walk")),
-    *(f"{one}_{part}" for one in ("estimator", "format") for part in ("title", "text")),
-}
-KINDS = {"place", "side", "level", "state"} | REGISTERS
+MEASURE_NAMES = {f"measure_name.{one}" for one in ("repetition", "uneven", "walk")}
+KINDS = {"place", "side", "level", "state"} | MEASURE_NAMES
 """Names that places may refer to as whole lists, or that the client says labels with; others where a place does."""
+
+CLIENT_WORDS = english()
 
 
 def said() -> list[tuple[str, str | None, frozenset[str]]]:
@@ -78,16 +76,16 @@ def test_no_code_is_written_twice():
     assert sum(len(room) for room in [of_estimators.ENGLISH, *rooms]) == len(ENGLISH)
 
 
-@pytest.mark.parametrize(("language", "sentences"), [("en", ENGLISH), ("de", GERMAN)])
+@pytest.mark.parametrize(("language", "sentences"), [("en", CLIENT_WORDS), ("de", GERMAN)])
 def test_the_client_has_the_same_sentences(language, sentences):
     shared = json.loads((ROOT / "web" / "src" / "i18n" / language / "sentences.json").read_text())
     assert shared == sentences, "run `npm run api` in web/ and commit the result"
 
 
 def test_every_sentence_is_said_in_german_with_the_same_places():
-    assert set(GERMAN) == set(ENGLISH)
+    assert set(GERMAN) == set(CLIENT_WORDS)
     assert sum(len(room.GERMAN) for room in german.ROOMS) == len(GERMAN), "a code is written twice"
-    for code, entry in ENGLISH.items():
+    for code, entry in CLIENT_WORDS.items():
         translated = GERMAN[code]
         assert isinstance(translated, str) == isinstance(entry, str), code
         if isinstance(entry, str) or isinstance(translated, str):
@@ -134,13 +132,3 @@ def texts_put_together() -> list[str]:
 
 def test_what_the_library_tells_people_has_a_code():
     assert texts_put_together() == []
-
-
-def test_titles_are_those_of_the_registers():
-    titles = {code: words for code, words in ENGLISH.items() if code.partition(".")[0] in REGISTERS}
-    known = {}
-    for one in estimators_out():
-        known |= {f"estimator_title.{one.name}": one.title, f"estimator_text.{one.name}": one.description}
-    for name, reader in readers().items():
-        known |= {f"format_title.{name}": reader.title, f"format_text.{name}": reader.description}
-    assert titles == known

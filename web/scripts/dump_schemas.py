@@ -15,12 +15,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from app.ingest.client_words import english
 from app.edge.description import describe
 from app.live import messages
 from app.main import create_app
 from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
-from app.sentences import ENGLISH
 from app.sentences.german import GERMAN
 from app.settings import Settings
 from estimators.measures import MEASURES, measures_of
@@ -74,7 +74,7 @@ def measures() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    wanted = {"sentences": lambda: ENGLISH, "german": lambda: GERMAN, "measures": measures}
+    wanted = {"sentences": english, "german": lambda: GERMAN, "measures": measures}
     shared = wanted.get("".join(sys.argv[1:]), document)()
     json.dump(shared, sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
     sys.stdout.write("\n")
