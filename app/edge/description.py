@@ -63,6 +63,9 @@ _LINK: Final = {
 }
 
 
+_NO_NUL: Final = r"^[^\u0000]*$"
+
+
 def describe(app: FastAPI) -> dict[str, Any]:
     """Return the description of an application's routes; made once.
 
@@ -113,6 +116,13 @@ def with_errors(description: dict[str, Any], app: FastAPI) -> dict[str, Any]:
     return description
 
 
+def _without_nul(schema: dict[str, Any]) -> None:
+    """Say of a query's texts what `app.edge.middleware` asks of every query."""
+    for one in (schema, *schema.get("anyOf", ())):
+        if one.get("type") == "string" and not {"enum", "const", "format"} & one.keys():
+            one.setdefault("pattern", _NO_NUL)
+
+
 def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> None:
     calls = {one.call for one in _all(dependant)}
     signed_in = bool(calls & {current_subject, current_sign_in})
@@ -124,6 +134,9 @@ def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> N
         operation["security"] = [{"browser": []}] if only_browsers else [{"browser": []}, {"device": []}]
         if changes:
             operation.setdefault("parameters", []).append(deepcopy(_CSRF))
+    for parameter in operation.get("parameters", ()):
+        if parameter["in"] == "query":
+            _without_nul(parameter["schema"])
     names = [parameter["name"] for parameter in operation.get("parameters", ())]
     if signed_in and (operation.get("requestBody") or any(name.endswith("_id") for name in names)):
         # A body may name anything by its identifier, as a path or query does.

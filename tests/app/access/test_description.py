@@ -1,5 +1,7 @@
 """The description of the interface: every refusal, who may call, and what an address takes."""
 
+import re
+
 import jsonschema_rs
 import pytest
 
@@ -97,3 +99,17 @@ def test_every_example_fits_its_schema(description):
                     )
                 ]
                 assert problems == [], path
+
+
+def test_a_text_in_a_query_has_no_nul(description):
+    texts = [
+        schema
+        for path in description["paths"].values()
+        for operation in path.values()
+        for parameter in operation.get("parameters", ())
+        if parameter["in"] == "query"
+        for schema in (parameter["schema"], *parameter["schema"].get("anyOf", ()))
+        if schema.get("type") == "string" and not {"enum", "const", "format"} & schema.keys()
+    ]
+    assert texts
+    assert not [one for one in texts if re.search(one["pattern"], "a\0b")]
