@@ -9,6 +9,7 @@ The file lock needs a file system that knows `flock`, and the advisory lock a di
 connections between transactions would lose it.
 """
 
+import contextlib
 import fcntl
 import os
 import socket
@@ -216,6 +217,9 @@ class _AdvisoryLock(WriterLock):
     def release(self) -> None:
         connection, self._connection = self._connection, None
         if connection is not None:
+            # The server notices a closed connection a moment later: whoever comes next would find it held.
+            with contextlib.suppress(psycopg.Error):
+                connection.execute("SELECT pg_advisory_unlock_all()")
             connection.close()
 
     def _is_alive(self) -> bool:
