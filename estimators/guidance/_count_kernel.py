@@ -31,7 +31,7 @@ def _begin(state: Record, memory: Memory, said: Said) -> None:
     state.was_wrong = 0
     memory.reached[:] = 0.0
     memory.quotient[:] = 0.0
-    begin_attempt(said)
+    begin_attempt(state.phase, said)
 
 
 @step()

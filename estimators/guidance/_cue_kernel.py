@@ -19,15 +19,17 @@ from estimators.kernels import Record, step
 _ALIKE_RAD = 0.07
 """Values of the other channel that count as equal."""
 _PAST, _BACK = 0.08, 0.15
-_LEFT_PHASE, _TIMED_SHARE = 0.08, 0.75
+_LEFT_SHARE, _TIMED_SHARE, _LAST_SHARE = 0.1, 0.75, 0.95
+"""Of the first target: between them its pace is read; who is past the last of them was not seen on the way."""
 _LEAST_STRETCH = 0.03
 
 
 @step()
-def begin_attempt(said: Said) -> None:
-    """Forget what was said in the attempt before."""
+def begin_attempt(phase: float, said: Said) -> None:
+    """Forget what was said in the attempt before; this one is followed from a phase on."""
     state = said.state[0]
     state.said, state.moved_s, state.left_tick, state.is_timed = 0, 0.0, -1, 0
+    state.begun_phase = phase
     for r in range(len(said.rules)):
         said.rules[r].held_s = 0.0
         said.rules[r].was_said = 0
@@ -117,9 +119,21 @@ def _at_equal(rule: Record, model: Model, orders: Orders, work: Work) -> tuple[f
 
 @step()
 def _range(
-    rule: Record, main: int, state: Record, model: Model, memory: Memory, orders: Orders, work: Work
+    rule: Record,
+    settings: Record,
+    state: Record,
+    model: Model,
+    memory: Memory,
+    orders: Orders,
+    work: Work,
+    cue: Record,
 ) -> tuple[float, float, float]:
-    """Return the same of a target that was missed: seen after the turn, on the way back."""
+    """Return the same of a target that was missed: seen after the turn, on the way back.
+
+    Nothing is known of a target that lay behind when the attempt began, as where a wrong movement goes over into the
+    way back; and what is too little to be counted is no attempt at a target.
+    """
+    main = settings.main
     now = work.y[main] - memory.start[main]
     worst, value = -np.inf, np.nan
     if math.isnan(now):
@@ -129,11 +143,34 @@ def _range(
         phase, offset = model.target[k, 0], model.target[k, 1]
         q = memory.quotient[k]
         is_past = state.phase > phase + _PAST and now / offset < (1.0 - _BACK) * q
-        if is_past and rule.first <= phase <= rule.last:
+        is_tried = cue.begun_phase < phase and q >= settings.least_excursion
+        if is_past and is_tried and rule.first <= phase <= rule.last:
             excess = rule.tolerance - q - orders.settings[0].z * sigma / abs(offset)
             if excess > worst:
                 worst, value = excess, q
     return value, rule.tolerance, worst
+
+
+@step()
+def _phase_at(share: float, main: int, model: Model) -> float:
+    """Return the phase at which the template first attains a share of its first target."""
+    phases, target = model.whole.shape[0], model.target[0, 1]
+    before = 0.0
+    for b in range(phases):
+        now = model.whole[b, main] / target
+        if now >= share:
+            part = (share - before) / (now - before) if now > before else 1.0
+            return float(max(b - 0.5 + part, 0.0) / phases)
+        before = now
+    return math.nan
+
+
+@step()
+def _leave(settings: Record, state: Record, model: Model, memory: Memory, work: Work, cue: Record) -> None:
+    """Note when, and at which share of the first target, the attempt is seen to leave its start posture."""
+    now = (work.y[settings.main] - memory.start[settings.main]) / model.target[0, 1]
+    if cue.left_tick < 0 and now >= _LEFT_SHARE:
+        cue.left_tick, cue.left_share = state.tick, now
 
 
 @step()
@@ -145,21 +182,29 @@ def _fast(
     memory: Memory,
     orders: Orders,
     work: Work,
-    said: Said,
+    cue: Record,
 ) -> tuple[float, float, float]:
-    """Return the same of the time to three quarters of the first target, from an early phase on."""
-    cue = said.state[0]
-    now = (work.y[settings.main] - memory.start[settings.main]) / model.target[0, 1]
-    if math.isnan(now) or cue.is_timed == 1 or cue.left_tick < 0:
-        return np.nan, 1.0 / rule.tolerance, np.nan
-    if now < _TIMED_SHARE:
-        return np.nan, 1.0 / rule.tolerance, np.nan
+    """Return the same of the time between two shares of the first target.
+
+    Both are read where the main channel is, in the patient and in the template: the phase is hardly known so early.
+    """
+    limit = 1.0 / rule.tolerance
+    main, target = settings.main, model.target[0, 1]
+    now = (work.y[main] - memory.start[main]) / target
+    # NaN compares false.
+    if cue.is_timed == 1 or cue.left_tick < 0 or not now >= _TIMED_SHARE:
+        return np.nan, limit, np.nan
     cue.is_timed = 1
-    stretch = orders.settings[0].target_phase - cue.left_phase
-    if stretch < _LEAST_STRETCH:
-        return np.nan, 1.0 / rule.tolerance, np.nan
+    first, last = _phase_at(cue.left_share, main, model), _phase_at(now, main, model)
+    stretch = last - first
+    if now > _LAST_SHARE or not stretch >= _LEAST_STRETCH:
+        return np.nan, limit, np.nan
     ratio = (state.tick - cue.left_tick) * settings.tick_s * settings.pace / stretch
-    return ratio, 1.0 / rule.tolerance, 1.0 / rule.tolerance - ratio
+    off = _sigma(main, orders, work) / abs(target)
+    unsure = math.hypot(
+        first - _phase_at(cue.left_share - off, main, model), last - _phase_at(now - off, main, model)
+    )
+    return ratio, limit, limit - ratio - orders.settings[0].z * ratio * unsure / stretch
 
 
 @step()
@@ -177,8 +222,7 @@ def watch(
     cue, of = said.state[0], orders.settings[0]
     if state.v > of.moving_speed + state.rest_v:
         cue.moved_s += settings.update_s
-    if cue.left_tick < 0 and state.phase >= _LEFT_PHASE:
-        cue.left_tick, cue.left_phase = state.tick, state.phase
+    _leave(settings, state, model, memory, work, cue)
     best = -1
     for r in range(len(orders.rules)):
         rule, held = orders.rules[r], said.rules[r]
@@ -188,9 +232,9 @@ def watch(
         if rule.quantity == AT_EQUAL:
             value, limit, excess = _at_equal(rule, model, orders, work)
         elif rule.quantity == RANGE:
-            value, limit, excess = _range(rule, settings.main, state, model, memory, orders, work)
+            value, limit, excess = _range(rule, settings, state, model, memory, orders, work, cue)
         elif rule.quantity == FAST:
-            value, limit, excess = _fast(rule, settings, state, model, memory, orders, work, said)
+            value, limit, excess = _fast(rule, settings, state, model, memory, orders, work, cue)
         elif rule.first <= state.phase <= rule.last:
             value, limit, excess = _deviation(rule, state, model, memory, orders, work)
         if not excess > 0.0:

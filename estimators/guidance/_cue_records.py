@@ -58,7 +58,6 @@ CUE_SETTINGS: Final = record(
         ("silence_ticks", "i8"),
         ("praise_every", "i8"),
         ("cue_every", "i8"),
-        ("target_phase", "f8"),  # where the template is at 75 % of its first target
         ("template_moves_s", "f8"),
         ("moving_speed", "f8"),
     ]
@@ -70,7 +69,8 @@ CUE_STATE: Final = record(
         ("silent_valid", "i8"),
         ("moved_s", "f8"),
         ("left_tick", "i8"),
-        ("left_phase", "f8"),
+        ("left_share", "f8"),  # of the first target, at that tick
+        ("begun_phase", "f8"),
         ("is_timed", "i8"),
         ("stopped", "i8"),
         ("valid", "i8"),

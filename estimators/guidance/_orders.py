@@ -23,7 +23,6 @@ from estimators.guidance._cue_records import (
 from estimators.guidance._rules import QUANTITIES, STOP_KINDS, CueRule, StopRule
 from estimators.kernels import filled
 
-_TIMED_SHARE: Final = 0.75
 _MOVES: Final = 0.02
 """Share of the template's mean squared speed from which on somebody moves."""
 _UNKNOWN_RAD: Final = float(np.radians(1.5))
@@ -62,8 +61,6 @@ def make_orders(
     """Return the records of rules and stops; raises `SetupError` for a channel that the template has not."""
     model, origin = ready.model, np.where(ready.model.absolute == 1, 0.0, ready.mean[0])
     middle = np.rint((np.arange(len(model.whole)) + 0.5) / len(model.whole) * (PHASES - 1)).astype(int)
-    main = ready.mean[:, ready.channels.index(ready.main)]
-    done = (main - main[0]) / ready.target_offset[0]
     speed = (model.weight[:, None] * model.slope**2 / model.variance[:, :1]).sum(axis=0)
     speed /= model.weight.sum() * ready.duration_s**2
     moving_speed = _MOVES * float(speed.mean())
@@ -74,7 +71,6 @@ def make_orders(
             "silence_ticks": round(pace.silence_s / tick_s),
             "praise_every": pace.praise_every,
             "cue_every": pace.cue_every,
-            "target_phase": float(np.argmax(done >= _TIMED_SHARE)) / (PHASES - 1),
             "template_moves_s": ready.duration_s * float((speed > moving_speed).mean()),
             "moving_speed": moving_speed,
         },

@@ -27,8 +27,8 @@ class CueRule:
     ----------
     quantity : {"deviation", "at_equal", "range", "fast", "slow"}
         `deviation`: d of (10). `at_equal`: the same against the template where the channel `against` has the same
-        value, from `least` on. `range`: q_k of (9), after the turn. `fast`: time from phase 0.08 to 75 % of the first
-        target over the template's, below 1 / tolerance. `slow`: moving time over the template's, at the end.
+        value, from `least` on. `range`: q_k of (9), after the turn. `fast`: time from 10 % to 75 % of the first target
+        over the template's, below 1 / tolerance. `slow`: moving time over the template's, at the end.
     sentence : str
         Code of what is said.
     channel, against : str

@@ -110,6 +110,32 @@ def test_range_speed_and_praise():
     assert [one.sentence for one in sound.chunk.cues] == ["guidance.well_done"] * 2
 
 
+def test_pace_is_read_where_the_arm_is_and_not_where_the_phase_is_thought_to_be():
+    fast = CueRule("fast", "guidance.slower", tolerance=1.2, hold_s=0.0)
+    made = make_planar(repetitions=4, out_s=0.7)
+    chunk = follow(made, rules=[fast]).chunk
+    cues = [one for one in chunk.cues if one.rule]
+    assert [one.value for one in cues] == pytest.approx([0.7 / 1.2] * 4, rel=0.06)
+    values, sigma = signals(made.trajectory, ready())
+    sigma[:, ready().channels.index(ready().main)] = np.radians(25.0)
+    assert not [one for one in Guide(ready(), 0.01, rules=[fast]).feed(values, sigma).cues if one.rule]
+
+
+def test_a_target_that_lay_behind_when_the_attempt_began_is_not_missed():
+    """A wrong movement goes over into the template's way back: its end tells nothing of how far it went."""
+    made = make_planar(repetitions=3)
+    values, sigma = signals(made.trajectory, ready())
+    one = made.truth[1]
+    share = (made.trajectory.time_s - one.start_s) / (one.end_s - one.start_s)
+    is_wrong = (share > 0.0) & (share < 0.8)
+    for place in ready().steering:
+        column = ready().channels.index(place)
+        values[is_wrong, column] = 2.0 * values[0, column] - values[is_wrong, column]
+    chunk = Guide(ready(), 0.01, rules=default_rules(ready())).feed(values, sigma)
+    assert "guidance.further" not in {one.sentence for one in chunk.cues}
+    assert next(one.kind for one in chunk.repetitions if one.kind != "ignored") == "valid"
+
+
 def test_fading_leaves_repetitions_without_a_word():
     made = make_planar(repetitions=4, sizes=0.6)
     every = follow(made, pace=CuePace(cue_every=1)).chunk.cues
