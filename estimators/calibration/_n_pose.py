@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.calibration._contract import UNUSABLE_SCORE, Calibration
 from estimators.calibration._device import vector
-from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
+from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD, PUT_ON_RAD
 from estimators.calibration._rest import (
     SWAY_RAD,
     Verdict,
@@ -37,8 +37,6 @@ _CONCURRING_RAD = math.radians(15.0)
 _AGREEMENT = 0.9
 _ARM = ("upper_arm", "forearm", "hand")
 _WITNESSES = 3
-_PUT_ON_RAD = math.radians(4.0)
-"""How well people put a sensor on a limb by the mounting rule, about the limb."""
 _SETTLED_RAD = (math.radians(0.7), math.radians(0.7), math.radians(2.3))
 """Tilt and heading of a sensor at rest, where its filter tells no sigma (those of the BROAD set)."""
 _ASSUMED_SCORE = 0.85
@@ -139,7 +137,7 @@ def n_pose(
     for s, placement in enumerate(placements):
         posed = _posed(placement, bool(raised[s]))
         q_sensor_segment[placement] = _seat(q_mean[s], offsets.get(placement, 0.0) - facing_rad, posed)
-        about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
+        about_z = PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
         mounting_sigma_rad[placement] = _in_segment(posed, settled_rad[s], about_z)
     return Calibration(
         q_sensor_segment=q_sensor_segment,
@@ -175,7 +173,7 @@ def _put_on(
             _require_compass_for_steep(placement, float(steepness_rad[s]), verdict)
             offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
     if offsets:
-        verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=_PUT_ON_RAD))
+        verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=PUT_ON_RAD))
     return offsets
 
 
@@ -307,7 +305,7 @@ def _facing(
             weight = float(np.interp(away_rad, (_CONCURRING_RAD, 2.0 * _CONCURRING_RAD), (1.0, 0.0)))
         total += weight * cmath.exp(1j * angle)
         weights, squares = weights + weight, squares + weight**2
-    return cmath.phase(total), chosen, _PUT_ON_RAD * math.sqrt(squares) / weights
+    return cmath.phase(total), chosen, PUT_ON_RAD * math.sqrt(squares) / weights
 
 
 def _judge_agreement(

@@ -10,7 +10,7 @@ import numpy as np
 
 from estimators import rotation
 from estimators.calibration import Calibration, FunctionalResult, functional, static_bias
-from estimators.calibration._mounting import N_POSE_TURN_RAD
+from estimators.calibration._mounting import N_POSE_TURN_RAD, PUT_ON_RAD
 from estimators.calibration._rest import mostly, wrapped
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, SetupError
@@ -22,6 +22,8 @@ from estimators.sentences import say
 
 _OFF_POSE_RAD: Final = math.radians(25.0)
 """More tilt than this between a segment and the N-pose: the limb does not hang."""
+_FROM_POSE: Final = ("n_pose", "t_pose")
+_UP: Final = np.array([0.0, 0.0, 1.0])
 _TELL_FACING: Final[tuple[Placement, ...]] = ("sternum", "pelvis")
 """Where worn and asked for, they alone say where the patient faces: arms hang more or less turned."""
 
@@ -98,8 +100,10 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     ----------
     network : BodyNetwork
         Calibrated, or with a mounting remembered from an earlier session. Then the pose also tells what the
-        gyroscopes read at rest, and one sensor tells where the patient faces for all that share the heading of
-        their compasses, also for those not named: who cannot stand sits still and has the trunk set.
+        gyroscopes read at rest and, where all that is worn is posed, how sensors that were put on anew are tilted
+        (a mounting found by movement stays: it does not depend on how the limbs hang). And one sensor tells where
+        the patient faces for all that share the heading of their compasses, also for those not named: who cannot
+        stand sits still and has the trunk set.
     pose : ImuChunk
         As measured, among the last ticks.
     placements : sequence of Placement
@@ -117,12 +121,15 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     if unknown:
         raise SetupError(say("calibration.not_worn", where=unknown))
     anew = None
+    is_remembered = not set(worn) <= set(known.gyroscope_bias_radps)
     if not set(worn) <= set(known.gyroscope_bias_radps):
         known, anew = _begun_at_rest(network, pose, known)
     q_earth_sensor, flags = network.during(pose, anew)
     heading_rad = {
         p: _heading_off(p, rotation.mean(q_earth_sensor[worn.index(p)]), known) for p in placements
     }
+    if is_remembered and set(placements) == set(worn):
+        known = _put_on_anew(known, {p: rotation.mean(q_earth_sensor[worn.index(p)]) for p in worn})
     own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
     sharing = [p for p in known.unknown_headings if not own_heading[worn.index(p)]]
     stated = [p for p in _TELL_FACING if p in sharing and p in placements] or [
@@ -156,6 +163,27 @@ def _heading_off(placement: Placement, q_earth_sensor: Float, known: Calibration
     if tilt > _OFF_POSE_RAD:
         raise CalibrationError(say("calibration.off_pose", where=[placement], angle_rad=tilt))
     return wrapped(2.0 * math.atan2(float(apart[3]), float(apart[0])))
+
+
+def _put_on_anew(known: Calibration, q_earth_sensor: Mapping[Placement, Float]) -> Calibration:
+    """Let every segment hang as in the N-pose, whose sensor sits by some degrees otherwise than it is remembered.
+
+    The turn about the limb stays as it is remembered: the pose does not show it.
+    """
+    is_posed = known.method in _FROM_POSE
+    seats, sigmas = dict(known.q_sensor_segment), dict(known.mounting_sigma_rad)
+    for placement, q_sensor in q_earth_sensor.items():
+        if is_posed:
+            segment = rotation.multiply(q_sensor, known.q_sensor_segment[placement])
+            upright = rotation.shortest(rotation.rotate(segment, _UP), _UP)
+            hanging = rotation.multiply(upright, segment)
+            seat = rotation.positive(rotation.multiply(rotation.conjugate(q_sensor), hanging))
+            seats[placement] = (float(seat[0]), float(seat[1]), float(seat[2]), float(seat[3]))
+        if placement in sigmas:
+            x, y, z = sigmas[placement]
+            tilt = 0.0 if is_posed else PUT_ON_RAD
+            sigmas[placement] = (math.hypot(x, tilt), math.hypot(y, tilt), math.hypot(z, PUT_ON_RAD))
+    return replace(known, q_sensor_segment=seats, mounting_sigma_rad=sigmas)
 
 
 def _begun_at_rest(

@@ -1,5 +1,6 @@
 """A patient's evenings with sensors on the body, of which every repetition and every fault is known."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Final
@@ -78,14 +79,36 @@ def evening(plan: tuple[PlannedRepetition, ...], seed: int = 3) -> Evening:
         (round(RATE_HZ * start_s), round(RATE_HZ * end_s))
         for start_s, end_s in ((1.0, POSE_S - 1.0), (begins_s + 0.2, begins_s + 1.2))
     )
+    rests = (*rests, (len(samples) - round(RATE_HZ), len(samples) - 1))
+    close_loops(samples, made.truth.gyroscope_bias_radps, rests)
     lean = made.truth.angle_rad("trunk_lean_forward_rad")
     return Evening(
         plan,
         samples,
-        (*rests, (len(samples) - round(RATE_HZ), len(samples) - 1)),
+        rests,
         made.truth.repetitions_s,
         lean - lean[rests[1][0]],
     )
+
+
+def close_loops(
+    samples: NDArray[np.float64], bias_radps: NDArray[np.float64], rests: Sequence[tuple[int, int]]
+) -> None:
+    """Let each rest end, by its gyroscopes, as it began, in place.
+
+    Who stands sways a little. Felt over and over, the sway of one second is a turn without an end, by half a degree a
+    second, which no accelerometer shows about the vertical.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (ticks, sensors, 6)
+    bias_radps : ndarray, shape (sensors, ticks, 3)
+        What the gyroscopes measure of no rotation.
+    rests : sequence of (int, int)
+    """
+    for start, end in rests:
+        turned = samples[start:end, :, :3] - bias_radps[:, start:end].swapaxes(0, 1)
+        samples[start:end, :, :3] -= turned.mean(axis=0)
 
 
 def put_on(page: Page, what: Evening) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from estimators import rotation, signals
+from estimators.calibration._mounting import PUT_ON_RAD
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Calibration, SessionSetup, create
@@ -89,3 +90,49 @@ def test_a_sensor_that_sits_otherwise_tells_no_heading(played):
     with pytest.raises(CalibrationError, match="off the standing pose"):
         pipeline.reset_heading(chunk.ticks(200, 500), ARM)
     assert pipeline.setup.calibration is before
+
+
+def put_on_otherwise(setup, method):
+    """The sensors sit six degrees otherwise than is remembered."""
+    known = setup.calibration
+    mounting = {
+        place: tuple(rotation.multiply(seat, rotation.exp([0.0, np.radians(6.0), 0.0])))
+        for place, seat in known.q_sensor_segment.items()
+    }
+    sigma = dict.fromkeys(ARM, (0.01, 0.01, 0.03))
+    return replace(
+        setup,
+        calibration=replace(known, q_sensor_segment=mounting, method=method, mounting_sigma_rad=sigma),
+    )
+
+
+def test_the_pose_tells_how_sensors_that_were_put_on_anew_are_tilted(played):
+    """Six degrees beside a hanging arm are forty of the plane of elevation."""
+    truth, chunk, setup = played
+    pipeline = create(put_on_otherwise(setup, "n_pose"))
+    pipeline.step(chunk.ticks(0, 500))
+    found = pipeline.reset_heading(chunk.ticks(200, 500), ARM)
+    for place in ARM:
+        apart = rotation.multiply(
+            rotation.conjugate(setup.calibration.q_sensor_segment[place]), found.q_sensor_segment[place]
+        )
+        assert np.degrees(2.0 * math.hypot(apart[1], apart[2])) < 2.0
+        assert found.mounting_sigma_rad[place] == pytest.approx((0.01, 0.01, math.hypot(0.03, PUT_ON_RAD)))
+    # Once it is known, it stays.
+    pipeline.step(chunk.ticks(500, 510))
+    assert pipeline.reset_heading(chunk.ticks(210, 510), ARM).q_sensor_segment == found.q_sensor_segment
+    after = pipeline.step(chunk.ticks(510, chunk.tick_count))
+    assert error_deg(after, truth, "thorax_humerus_right_yxy_elevation") < 3.0
+
+
+def test_a_mounting_found_by_movement_stays_and_is_less_certain(played):
+    _, chunk, setup = played
+    setup = put_on_otherwise(setup, "functional")
+    pipeline = create(setup)
+    pipeline.step(chunk.ticks(0, 500))
+    found = pipeline.reset_heading(chunk.ticks(200, 500), ARM)
+    assert found.q_sensor_segment == setup.calibration.q_sensor_segment
+    tilt = math.hypot(0.01, PUT_ON_RAD)
+    assert found.mounting_sigma_rad["forearm_right"] == pytest.approx(
+        (tilt, tilt, math.hypot(0.03, PUT_ON_RAD))
+    )
