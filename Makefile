@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run test test-quick coverage checks lint types web web-test api-test bench-live bench-abuse bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick coverage checks lint types web web-test api-test bench-live bench-abuse bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -30,9 +30,14 @@ $(VENV)/installed: requirements.lock pyproject.toml
 	@touch $@
 	$(call ready,Python packages)
 
+# What edges and workers need besides; the service in one process does without.
+$(VENV)/scaled: $(VENV)/installed requirements-scaled.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-scaled.lock
+	@touch $@
+
 # Kernels are compiled when they are first called. Tests need nearly all of them: here once, on two cores.
 KERNELS := $(shell find estimators -name '*.py' 2>/dev/null)
-$(VENV)/compiled: $(VENV)/installed $(KERNELS)
+$(VENV)/compiled: $(VENV)/scaled $(KERNELS)
 	@echo "Compiling the numerical kernels (two minutes the first time) ..."
 	@$(BIN)/telemotion compile --processes 2
 	@touch $@
@@ -58,6 +63,9 @@ run: ## Start the service with a demonstration clinic and a simulated patient
 	@$(MAKE) --no-print-directory -j2 $(VENV)/installed web/dist/index.html STARTED_S=$(STARTED_S)
 	@$(BIN)/telemotion demo --port $(PORT) --started-s $(STARTED_S)
 
+run-scaled: $(VENV)/scaled web/dist/index.html ## The demonstration on NATS, PostgreSQL, two edges and two workers
+	@$(BIN)/telemotion demo-scaled --port $(PORT)
+
 browser: ## Install Debian's Chromium when it is absent and this is root
 	@if command -v chromium >/dev/null || [ -n "$$CHROMIUM" ]; then :; \
 	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
@@ -68,7 +76,7 @@ browser: ## Install Debian's Chromium when it is absent and this is root
 lint: $(VENV)/installed
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
 
-types: $(VENV)/installed
+types: $(VENV)/scaled
 	@$(BIN)/mypy
 
 web-test: web/node_modules/installed
@@ -119,6 +127,7 @@ accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md an
 
 lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
+	grep -oE '"nats-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
 
 wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client
 	@rm -rf app/static && cp -r web/dist app/static

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from app.commands.options.declared import add_commands
-from app.commands.options.demo import compile_kernels, demo
+from app.commands.options.demo import compile_kernels, demo, demo_scaled
 from app.commands.options.mass_centre import mass_centre
 from app.commands.options.recordings import CalibrateOptions, FuseOptions
 from app.commands.options.simulate import SimulateOptions
@@ -35,6 +35,7 @@ cli = typer.Typer(
 )
 cli.command("mass-centre")(mass_centre)
 cli.command()(demo)
+cli.command("demo-scaled")(demo_scaled)
 cli.command("compile")(compile_kernels)
 cli.command()(upload)
 cli.command()(mapping)
@@ -53,6 +54,28 @@ def serve(
     from app.commands import serve as command
 
     command.serve(host, port)
+
+
+@cli.command()
+def edge(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Port = 8000,
+) -> None:
+    """Start an edge of a service on many machines: gateways and browsers reach it. Needs the extra `scaled`."""
+    from app.commands import scaled as command
+
+    command.edge(host, port)
+
+
+@cli.command()
+def worker(
+    host: Annotated[str, typer.Option(help="Address for health and metrics.")] = "127.0.0.1",
+    port: Port = 8100,
+) -> None:
+    """Start a worker of a service on many machines: sessions are live in it. Needs the extra `scaled`."""
+    from app.commands import scaled as command
+
+    command.worker(host, port)
 
 
 @cli.command()

@@ -3,9 +3,10 @@ command line.
 """
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
+from typing import Protocol
 
 from anyio import to_thread
 from fastapi import APIRouter, FastAPI
@@ -73,8 +74,22 @@ from app.viewer import router as viewer_router
 logger = logging.getLogger("telemotion.service")
 
 
+class Opening(Protocol):
+    """Opens the resources of a process, as `open_services` does."""
+
+    async def __call__(
+        self, settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
+    ) -> Services:
+        """Return what is open."""
+
+
 def create_app(
-    settings: Settings | None = None, *, passwords: Passwords | None = None, lock: WriterLock | None = None
+    settings: Settings | None = None,
+    *,
+    passwords: Passwords | None = None,
+    lock: WriterLock | None = None,
+    opening: Opening | None = None,
+    first_routers: Sequence[APIRouter] = (),
 ) -> FastAPI:
     """Make the application; nothing is opened before its lifespan starts.
 
@@ -86,14 +101,19 @@ def create_app(
         Another cost of password hashing.
     lock : WriterLock, optional
         Of the database; taken in the lifespan when it is not held yet.
+    opening : Opening
+        By default `open_services`: everything in this process.
+    first_routers : sequence of APIRouter
+        Matched before those of the rooms.
     """
+    opened = opening or open_services
     settings = settings or Settings()
     lock = lock or writer_lock(settings.database_url, "telemotion service", settings.base_url)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with AsyncExitStack() as stack:
-            app.state.services = await open_services(settings, stack, lock, passwords)
+            app.state.services = await opened(settings, stack, lock, passwords)
             logger.info("service %s is open at %s", service_version(), settings.base_url)
             yield
         logger.info("service is closed")
@@ -125,7 +145,7 @@ def create_app(
     app.add_middleware(UnexpectedErrors)
     app.add_middleware(SecurityHeaders, settings=settings)
     app.add_middleware(AccessLog)
-    for router in all_routers():
+    for router in (*first_routers, *all_routers()):
         app.include_router(router)
     app.include_router(client_router(settings))
     return app
@@ -150,29 +170,16 @@ async def open_services(
     Conflict
         The database has not been migrated to this version, or another process holds it.
     """
-    await to_thread.run_sync(lock.take)
-    stack.callback(lock.release)
-    engine = database_engine.create(settings)
-    stack.callback(engine.dispose)
-    await to_thread.run_sync(require_newest, engine)
-    services = Services(settings=settings, engine=engine)
-    services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
-    services.add(SignInLimits())
-    services.add(PairingBook())
-    refused = services.add(RefusedSignIns(engine, settings))
-    stack.push_async_callback(partial(to_thread.run_sync, refused.close))
-
+    services = await open_foundation(settings, stack, lock, passwords)
+    engine = services.engine
     bus = services.add(MemoryBus())
     writer = GroupCommitWriter(engine)
     writer.start()
     stack.push_async_callback(partial(to_thread.run_sync, writer.close))
     services.add(writer)
-    services.add(DiskUse(engine, settings.clinic_disk_bytes))
 
     await to_thread.run_sync(remove_orphans, engine, settings)
-    tasks = [handler.__module__ for handler in job_handlers().values()]
-    own = [type(kind).__module__ for kind in kinds().values()]
-    processes.prepare(["app.assessment.exports.patient", *tasks, *own])
+    prepare_processes()
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
@@ -204,6 +211,32 @@ async def open_services(
     stack.push_async_callback(readiness.stop)
     services.add(await observe(services, stack))
     return services
+
+
+async def open_foundation(
+    settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
+) -> Services:
+    """Open what every process that serves requests needs: the database, and who may sign in; see `open_services`."""
+    await to_thread.run_sync(lock.take)
+    stack.callback(lock.release)
+    engine = database_engine.create(settings)
+    stack.callback(engine.dispose)
+    await to_thread.run_sync(require_newest, engine)
+    services = Services(settings=settings, engine=engine)
+    services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
+    services.add(SignInLimits())
+    services.add(PairingBook())
+    refused = services.add(RefusedSignIns(engine, settings))
+    stack.push_async_callback(partial(to_thread.run_sync, refused.close))
+    services.add(DiskUse(engine, settings.clinic_disk_bytes))
+    return services
+
+
+def prepare_processes() -> None:
+    """Let the process that children are forked from import what they will run."""
+    tasks = [handler.__module__ for handler in job_handlers().values()]
+    own = [type(kind).__module__ for kind in kinds().values()]
+    processes.prepare(["app.assessment.exports.patient", *tasks, *own])
 
 
 def job_handlers() -> dict[str, Handler]:

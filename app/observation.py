@@ -6,6 +6,7 @@ Opened last in the lifespan, when every room stands.
 import asyncio
 import contextlib
 from collections import Counter
+from collections.abc import Callable, Mapping
 from contextlib import AsyncExitStack
 from typing import Any, Final
 
@@ -129,6 +130,28 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     registry.histogram("event_loop_lag_seconds", "By how much the event loop wakes too late.", lag)
     task = asyncio.create_task(_watch(services.get(LiveManager), latency, lag), name="observation")
     stack.push_async_callback(_end, task)
+    return registry
+
+
+def observe_part(services: Services, gauges: Mapping[str, tuple[str, Callable[[], float]]]) -> Registry:
+    """Return the metrics of an edge or a worker.
+
+    Parameters
+    ----------
+    services : Services
+    gauges : mapping of str to (meaning, callable)
+        Its own, by name.
+    """
+    registry = Registry()
+    _counters(registry, "ingest", _INGEST, ingest)
+    for name, (meaning, value) in gauges.items():
+        registry.gauge(name, meaning, value)
+    registry.counter(
+        "http_requests_total", "Requests answered, by status.", lambda: _by("status", served.by_status)
+    )
+    registry.gauge(
+        "ready", "1 when what is sent now can be stored.", lambda: float(not services.get(Readiness).reasons)
+    )
     return registry
 
 

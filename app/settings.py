@@ -195,6 +195,39 @@ class Settings(BaseSettings):
         gt=0,
         description="Signals that one clinic may store, in bytes; then it can start no session and upload nothing.",
     )
+    nats_url: SecretStr = Field(
+        default=SecretStr("nats://127.0.0.1:4222"),
+        description="Of an edge or worker: addresses of NATS servers, separated by commas; tls:// for TLS.",
+    )
+    nats_credentials: Path | None = Field(
+        default=None, description="File with the credentials (.creds) for NATS; none where it asks for none."
+    )
+    nats_ca: Path | None = Field(
+        default=None, description="Certificate authority of the NATS servers; by default those of the system."
+    )
+    partitions: int = Field(
+        default=8,
+        ge=1,
+        le=1024,
+        description="Parts into which live sessions are divided among workers; the same for all edges and workers.",
+    )
+    lease_seconds: float = Field(
+        default=1.5,
+        ge=0.5,
+        le=60,
+        description="A worker that is not heard of for so long loses its partitions.",
+    )
+    stream_replicas: int = Field(
+        default=1,
+        ge=1,
+        le=5,
+        description="On how many NATS servers a packet must be before it is acknowledged.",
+    )
+    stream_bytes: int = Field(
+        default=4 << 30,
+        ge=1 << 20,
+        description="Most that waits in a partition's stream, in bytes; then gateways wait.",
+    )
     client_dir: Path | None = Field(
         default=None, description="Built browser client; by default web/dist of the tree or the packaged one."
     )

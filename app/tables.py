@@ -10,7 +10,8 @@ from app.database.base import Base
 from app.exercises import models as exercises
 from app.patients import models as patients
 from app.recordings import models as recordings
+from app.scaled import models as scaled
 
-__all__ = ["accounts", "assessment", "exercises", "metadata", "patients", "recordings"]
+__all__ = ["accounts", "assessment", "exercises", "metadata", "patients", "recordings", "scaled"]
 
 metadata = Base.metadata

@@ -27,6 +27,8 @@ from app.errors import Conflict, InvalidInput, TelemotionError, Unavailable
 LOCK_SUFFIX: Final = ".writer"
 _ADVISORY_KEY: Final = 7_305_792_114_563_087
 """Any number, the same in every version; PostgreSQL keeps such locks apart by database."""
+_TASKS_KEY: Final = 7_305_792_114_563_088
+"""Of whoever works off the queue of tasks."""
 _NAME_BYTES: Final = 63
 """PostgreSQL keeps so much of an application's name."""
 _CONNECT: Final[dict[str, Any]] = {
@@ -165,9 +167,13 @@ class _FileLock(WriterLock):
 class _AdvisoryLock(WriterLock):
     """A session-level advisory lock of PostgreSQL; its holder is named by the name of the connection."""
 
-    def __init__(self, url: URL, purpose: str, address: str) -> None:
+    def __init__(
+        self, url: URL, purpose: str, address: str, key: int = _ADVISORY_KEY, *, is_shared: bool = False
+    ) -> None:
         super().__init__(purpose, address)
         self._url = url
+        self._key = key
+        self._try = "pg_try_advisory_lock_shared" if is_shared else "pg_try_advisory_lock"
         self._connection: psycopg.Connection[Any] | None = None
 
     def take(self) -> None:
@@ -178,10 +184,10 @@ class _AdvisoryLock(WriterLock):
         ).render_as_string()
         try:
             self._connection = self._connect()
-            row = self._connection.execute("SELECT pg_try_advisory_lock(%s)", [_ADVISORY_KEY]).fetchone()
+            row = self._connection.execute(f"SELECT {self._try}(%s)".encode(), [self._key]).fetchone()
             if row is not None and row[0]:
                 return
-            holder = self._holder(self._connection)
+            holder = self._holder(self._connection, self._key)
         except psycopg.Error as error:
             self.release()
             reason = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
@@ -199,14 +205,14 @@ class _AdvisoryLock(WriterLock):
         return psycopg.connect(plain, autocommit=True, application_name=short, **_CONNECT)
 
     @staticmethod
-    def _holder(connection: psycopg.Connection[Any]) -> str:
+    def _holder(connection: psycopg.Connection[Any], key: int) -> str:
         row = connection.execute(
             "SELECT application_name, client_addr::text, to_char(backend_start AT TIME ZONE 'UTC',"
             " 'YYYY-MM-DD HH24:MI:SS') FROM pg_locks JOIN pg_stat_activity USING (pid)"
             " WHERE locktype = 'advisory' AND granted AND objsubid = 1"
             " AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
             " AND (classid::bigint << 32) + objid::bigint = %s",
-            [_ADVISORY_KEY],
+            [key],
         ).fetchone()
         if row is None:
             return ""
@@ -250,6 +256,36 @@ def writer_lock(url: str, purpose: str, address: str = "") -> WriterLock:
     return _FileLock(Path(parsed.database or ""), purpose, address)
 
 
+def shared_lock(url: str, purpose: str, address: str = "") -> WriterLock:
+    """Return the lock that edges and workers of one database hold together, apart from a service in one process.
+
+    Parameters
+    ----------
+    url, purpose, address
+        As of `writer_lock`.
+
+    Raises
+    ------
+    InvalidInput
+        The database is not PostgreSQL.
+    """
+    return _AdvisoryLock(_postgresql(url), purpose, address, is_shared=True)
+
+
+def task_lock(url: str, purpose: str) -> WriterLock:
+    """Return the lock of whoever works off the queue of tasks; raises as `shared_lock`."""
+    return _AdvisoryLock(_postgresql(url), purpose, "", _TASKS_KEY)
+
+
+def _postgresql(url: str) -> URL:
+    parsed = make_url(url)
+    if parsed.get_backend_name() != "postgresql":
+        raise InvalidInput(
+            "Edges and workers need PostgreSQL: set TELEMOTION_DATABASE_URL to postgresql://user:password@host/name."
+        )
+    return parsed
+
+
 def _in_use(place: str, holder: str) -> DatabaseInUse:
     return DatabaseInUse(
         f"The database {place} is in use by {holder or 'another process'}. One service at a time may write it: "
@@ -258,4 +294,4 @@ def _in_use(place: str, holder: str) -> DatabaseInUse:
     )
 
 
-__all__ = ["DatabaseInUse", "WriterLock", "writer_lock"]
+__all__ = ["DatabaseInUse", "WriterLock", "shared_lock", "task_lock", "writer_lock"]

@@ -178,19 +178,20 @@ class MemoryBus:
     def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
         """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
         subscription = Subscription(self, topics, size)
-        self._add(subscription)
+        self.listen(subscription)
         return subscription
 
     @contextlib.contextmanager
     def attach(self, listener: Listener) -> Iterator[None]:
         """Let `listener.put` be called with each message of its topics, within the context."""
-        self._add(listener)
+        self.listen(listener)
         try:
             yield
         finally:
             self.remove(listener)
 
-    def _add(self, listener: Listener) -> None:
+    def listen(self, listener: Listener) -> None:
+        """Let a listener have each message of its topics from now on, until `remove`."""
         self._heard[listener] = [self.channel(topic) for topic in listener.topics]
         for channel in self._heard[listener]:
             channel.listeners.append(listener)
@@ -199,6 +200,11 @@ class MemoryBus:
         """Whether anybody listens, so that costly messages are made only then."""
         found = self._channels.get(topic)
         return found is not None and bool(found.listeners)
+
+    @property
+    def topics(self) -> set[str]:
+        """Topics that somebody listens to."""
+        return {channel.name for channels in self._heard.values() for channel in channels}
 
     def remove(self, listener: Listener) -> None:
         """Forget a listener; `Subscription.close` calls this."""

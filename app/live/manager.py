@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any, Final
 from weakref import WeakValueDictionary
@@ -184,18 +184,18 @@ class LiveManager(SteeredSide):
         )
         session = await self.join(stored, declaration, subject)
         may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
-        intake = Intake(
-            session,
-            partial(self._check_gateway, session, may_stream, Patience()),
-            self._detach,
-            self.pooled,
-        )
-        before = self._intakes.get(stored.id)
-        if before is not None:
-            before.end(Conflict(say("live.superseded"), reason="superseded"))
-        self._intakes[stored.id] = intake
+        intake = self.attach(session, partial(self._check_gateway, session, may_stream, Patience()))
         session.connected()
         self.announce(session)
+        return intake
+
+    def attach(self, session: LiveSession, check_right: Callable[[], Awaitable[None]]) -> Intake:
+        """Return a new connection's way into a session; it takes the place of the one before."""
+        intake = Intake(session, check_right, self._detach, self.pooled)
+        before = self._intakes.get(session.id)
+        if before is not None:
+            before.end(Conflict(say("live.superseded"), reason="superseded"))
+        self._intakes[session.id] = intake
         return intake
 
     async def join(

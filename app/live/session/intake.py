@@ -13,6 +13,7 @@ from app.live.session.states import OPEN
 from app.network.declaration import Declaration
 from app.network.messages import AcknowledgeMessage
 from app.network.packet import Packet
+from app.schemas import SessionState
 from app.sentences import say
 
 
@@ -58,6 +59,11 @@ class Intake:
     def taken(self) -> int:
         """How many of its packets were taken together with others'."""
         return 0 if self._session.lane is None else self._session.lane.taken
+
+    @property
+    def state(self) -> SessionState:
+        """The session's present state."""
+        return self._session.state
 
     @property
     def is_open(self) -> bool:

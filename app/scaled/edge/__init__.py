@@ -1,0 +1,1 @@
+"""What gateways and browsers reach: takes packets into the stream, shows what workers publish."""

@@ -1,0 +1,139 @@
+"""The gateways of a partition's sessions: edges hold their connections, and hear from here how their sessions stand."""
+
+import asyncio
+import time
+from functools import partial
+from typing import Final
+
+from app.errors import Conflict
+from app.live import repository
+from app.live.session.runner import LiveSession
+from app.live.session.states import OPEN
+from app.scaled.wire import GivenUpEntry, GoodbyeEntry, HelloEntry, LeftEntry, Report, pack_error
+from app.scaled.worker.outlet import Outlet
+from app.scaled.worker.senders import Connection
+from app.scaled.worker.sessions import PartitionSessions
+from app.sentences import say
+
+REPEAT_S: Final = 1.0
+"""A report is sent again after so long, for it may be lost."""
+MOST_MESSAGES: Final = 64
+
+
+class Connections:
+    """The connections of a partition's gateways.
+
+    Parameters
+    ----------
+    sessions : PartitionSessions
+    outlet : Outlet
+    """
+
+    def __init__(self, sessions: PartitionSessions, outlet: Outlet) -> None:
+        self._sessions, self._outlet = sessions, outlet
+        self._by_session: dict[str, Connection] = {}
+
+    def open(self, session: LiveSession, hello: HelloEntry) -> None:
+        """Let a gateway that said hello into its session; one before it is sent away."""
+        before = self._by_session.get(session.id)
+        if before is not None and before.id != hello.connection:
+            error = Conflict(say("live.superseded"), reason="superseded")
+            self._outlet.report(before.edge, Report(before.id, session.state, error=pack_error(error)))
+        self._join(session, hello.connection, hello.edge)
+        session.connected()
+        self._sessions.announce(session)
+        received = list(session.ledger.received)
+        self._outlet.report(hello.edge, Report(hello.connection, session.state, received=received))
+
+    async def adopt(self, edge: str, session_id: str, connection: str) -> None:
+        """Take note of a connection that an earlier holder of the partition knew."""
+        if session_id in self._by_session:
+            return
+        session = self._sessions.find(session_id)
+        if session is not None:
+            self._join(session, connection, edge)
+            return
+        stored = await asyncio.to_thread(repository.load, self._sessions.engine, session_id)
+        if stored.state not in OPEN:
+            self._outlet.report(edge, Report(connection, stored.state, is_finished=True))
+
+    def _join(self, session: LiveSession, connection: str, edge: str) -> None:
+        before = self._by_session.pop(session.id, None)
+        if before is not None:
+            before.end()
+        # Whether a gateway keeps its right is looked at by its edge.
+        intake = self._sessions.attach(session, partial(asyncio.sleep, 0))
+        made = self._by_session[session.id] = Connection(connection, edge, session.id, intake)
+        if session.actuation is not None:
+            made.orders = asyncio.create_task(self._order(made), name="orders")
+
+    async def _order(self, connection: Connection) -> None:
+        while True:
+            order = await connection.intake.next_order()
+            connection.messages.append(order.model_dump_json())
+            self._send(connection)
+
+    def take(self, entry: GivenUpEntry | GoodbyeEntry | LeftEntry) -> None:
+        """Take what a gateway's connection says of itself."""
+        session = self._sessions.find(entry.session_id)
+        if session is None:
+            return
+        if isinstance(entry, GivenUpEntry):
+            session.ledger.given_up.update(entry.ranges)
+            return
+        connection = self._by_session.get(entry.session_id)
+        if isinstance(entry, GoodbyeEntry):
+            session.ledger.last_sequence = entry.last_sequence
+        elif connection is not None and connection.id == entry.connection:
+            self._leave(connection)
+
+    def _leave(self, connection: Connection) -> None:
+        self._by_session.pop(connection.session_id, None)
+        connection.end()
+        connection.intake.detach()
+
+    def say(self, session_id: str, text: str) -> None:
+        """Send a session's gateway a message; beyond a few that wait, none."""
+        connection = self._by_session.get(session_id)
+        if connection is not None and len(connection.messages) < MOST_MESSAGES:
+            connection.messages.append(text)
+
+    async def report(self) -> None:
+        """Tell edges what is new of their connections; let those go whose edge is silent."""
+        self._outlet.forget_silent()
+        for connection in list(self._by_session.values()):
+            if not self._outlet.hears_of(connection.edge):
+                self._leave(connection)
+                continue
+            intake = connection.intake
+            if intake.ended.is_set():
+                error = pack_error(intake.end_error)
+                self._outlet.report(
+                    connection.edge, Report(connection.id, self._state(connection), error=error)
+                )
+                self._leave(connection)
+                continue
+            found = (self._state(connection), intake.is_finished)
+            is_old = time.monotonic() - connection.reported_s > REPEAT_S
+            if found != connection.reported or connection.messages or is_old:
+                self._send(connection)
+            if intake.is_finished:
+                self._leave(connection)
+
+    def _state(self, connection: Connection) -> str:
+        return connection.intake.state
+
+    def _send(self, connection: Connection) -> None:
+        messages, connection.messages = connection.messages, []
+        connection.reported = (self._state(connection), connection.intake.is_finished)
+        connection.reported_s = time.monotonic()
+        self._outlet.report(connection.edge, Report(connection.id, *connection.reported, messages=messages))
+
+    def close(self) -> None:
+        """Forget them all; their edges tell the next holder."""
+        for connection in self._by_session.values():
+            connection.end()
+        self._by_session.clear()
+
+
+__all__ = ["Connections"]

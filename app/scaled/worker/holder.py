@@ -1,0 +1,124 @@
+"""A worker: the partitions that it holds, and the live side that their sessions make together."""
+
+import logging
+from collections.abc import Sequence
+from functools import partial
+
+from sqlalchemy import Engine
+
+from app.errors import Conflict, Unavailable
+from app.live import repository
+from app.live.bus import MemoryBus
+from app.live.guidance.desk import GuidanceDesk
+from app.live.messages import StateMessage
+from app.live.session.intake import Intake
+from app.live.session.runner import LiveSession
+from app.live.side import SteeredSide
+from app.network.declaration import Declaration
+from app.network.messages import HelloMessage
+from app.scaled.broker import Broker
+from app.scaled.wire import partition_of
+from app.scaled.worker.leases import Leases
+from app.scaled.worker.partition import Ask, Partition
+from app.scaled.worker.sessions import PartitionSessions, Shared
+from app.schemas import Schema
+from app.sentences import say
+
+logger = logging.getLogger(__name__)
+
+
+class Worker(SteeredSide):
+    """Holds partitions; steering finds the sessions of them here. Implements `app.scaled.worker.leases.Holder`.
+
+    Parameters
+    ----------
+    broker : Broker
+    engine : Engine
+        With `app.scaled.fencing.install`; its connections are named `name`.
+    shared : Shared
+    name : str
+    """
+
+    def __init__(self, broker: Broker, engine: Engine, shared: Shared, name: str) -> None:
+        super().__init__(engine, MemoryBus())
+        self._broker, self._shared, self._name = broker, shared, name
+        self._ask: Ask | None = None
+        self.partitions: dict[int, Partition] = {}
+        self.leases = Leases(broker, name, self, shared.settings.lease_seconds)
+
+    async def start(self, ask: Ask) -> None:
+        """Begin to hold partitions; requests of edges are answered by `ask`."""
+        self._ask = ask
+        await self.leases.start()
+
+    async def stop(self) -> None:
+        """Give every partition back."""
+        await self.leases.stop()
+        self.end_checks()
+
+    async def take(self, partition: int) -> None:
+        """Begin to hold a partition."""
+        assert self._ask is not None
+        refused = partial(self.leases.fenced, partition)
+        held = Partition(partition, self._broker, self.engine, self._shared, self._name, refused, self._ask)
+        await held.take()
+        self.partitions[partition] = held
+
+    async def give_back(self, partition: int) -> None:
+        """Store what is known of a partition, for whoever takes it next."""
+        held = self.partitions.pop(partition, None)
+        if held is not None:
+            await held.give_back()
+
+    def lose(self, partition: int) -> None:
+        """Stop at once: somebody else holds the partition by now."""
+        held = self.partitions.pop(partition, None)
+        if held is not None:
+            held.lose()
+
+    def _sessions_of(self, session_id: str) -> PartitionSessions:
+        held = self.partitions.get(partition_of(session_id, self._broker.partitions))
+        if held is None:
+            raise Unavailable(say("scaled.moving"), retry_after_s=1, reason="moving")
+        return held.sessions
+
+    @property
+    def sessions(self) -> list[LiveSession]:
+        """Every session that is live here."""
+        return [one for held in self.partitions.values() for one in held.sessions.sessions]
+
+    @property
+    def session_count(self) -> int:
+        """How many sessions are live here."""
+        return sum(held.sessions.session_count for held in self.partitions.values())
+
+    async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
+        """Send a gateway away: it connects to an edge."""
+        raise Conflict(say("scaled.no_gateways_here"))
+
+    async def first_messages(self, stored: repository.StoredSession) -> Sequence[Schema]:
+        """Return what a view receives when it connects."""
+        return await self._sessions_of(stored.id).first_messages(stored)
+
+    def live(self, session_id: str) -> LiveSession:
+        """Return a live session."""
+        return self._sessions_of(session_id).live(session_id)
+
+    def guidance(self, session_id: str) -> GuidanceDesk:
+        """Return the guidance of a live session."""
+        return self._sessions_of(session_id).guidance(session_id)
+
+    async def state(self, session_id: str) -> StateMessage:
+        """Return the state of any session, live or not."""
+        return await self._sessions_of(session_id).state(session_id)
+
+    async def close(self, session_id: str, reason: str) -> StateMessage:
+        """Close a session."""
+        return await self._sessions_of(session_id).close(session_id, reason)
+
+    async def check_source(self, session_id: str) -> None:
+        """Let the source of a session fire only while it is confirmed to be safe."""
+        await self._sessions_of(session_id).check_source(session_id)
+
+
+__all__ = ["Worker"]

@@ -1,0 +1,111 @@
+"""Reading a partition's stream in order, from a position on, over reconnections and restarts of the server.
+
+An ordered consumer: pushed, in memory, without acknowledgements. Each message carries its number in the consumer; when
+one is missing, or the server is silent, the consumer is made anew behind the last message that was read. A durable
+consumer would deliver again what was not acknowledged behind what came later, which broke the order of sessions.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import AsyncIterator
+from typing import Final
+
+import nats
+from nats.aio.msg import Msg
+from nats.js.api import AckPolicy, ConsumerConfig, DeliverPolicy
+from nats.js.errors import Error as StreamError
+
+from app.scaled.broker import Broker, stream_name
+
+logger = logging.getLogger(__name__)
+
+HEARTBEAT_S: Final = 0.5
+SILENCE_S: Final = 1.6
+AGAIN_S: Final = 0.2
+WAITING_BYTES: Final = 64 << 20
+
+
+async def read(broker: Broker, partition: int, position: int) -> AsyncIterator[tuple[int, bytes, int]]:
+    """Yield what lies behind a position, in order, for ever.
+
+    Parameters
+    ----------
+    broker : Broker
+    partition : int
+    position : int
+        Number of the last message that was taken before.
+
+    Yields
+    ------
+    sequence : int
+        In the stream.
+    data : bytes
+    waiting : int
+        How many messages are in the stream behind it.
+    """
+    while True:
+        try:
+            async for sequence, data, waiting in _read_on(broker, partition, position):
+                position = sequence
+                yield sequence, data, waiting
+        except (nats.errors.Error, StreamError, OSError, TimeoutError) as error:
+            logger.warning(
+                "partition %d is read anew behind %d: %s", partition, position, type(error).__name__
+            )
+        await asyncio.sleep(AGAIN_S)
+
+
+async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterator[tuple[int, bytes, int]]:
+    """Yield until a message is missing or the server is silent."""
+    client, inbox = broker.client, broker.client.new_inbox()
+    subscription = await client.subscribe(inbox, pending_bytes_limit=WAITING_BYTES)
+    name = None
+    try:
+        config = ConsumerConfig(
+            deliver_subject=inbox,
+            deliver_policy=DeliverPolicy.BY_START_SEQUENCE,
+            opt_start_seq=position + 1,
+            ack_policy=AckPolicy.NONE,
+            max_deliver=1,
+            flow_control=True,
+            idle_heartbeat=HEARTBEAT_S,
+            inactive_threshold=5.0,
+            num_replicas=1,
+            mem_storage=True,
+        )
+        made = await broker.streams.add_consumer(stream_name(partition), config)
+        name, expected = made.name, 1
+        while True:
+            message: Msg = await subscription.next_msg(timeout=SILENCE_S)
+            if message.headers and message.headers.get("Status") == "100":
+                wanted = message.reply or message.headers.get("Nats-Consumer-Stalled")
+                if wanted:
+                    # The server goes on once what came before was taken.
+                    await client.publish(wanted)
+                elif int(message.headers.get("Nats-Last-Consumer") or expected - 1) != expected - 1:
+                    return
+                continue
+            numbers = message.metadata
+            if numbers.sequence.consumer != expected:
+                return
+            expected += 1
+            yield numbers.sequence.stream, message.data, numbers.num_pending or 0
+    finally:
+        await _forget(broker, partition, name)
+        await subscription.unsubscribe()
+
+
+async def _forget(broker: Broker, partition: int, name: str | None) -> None:
+    if name is None or not broker.client.is_connected:
+        # It ends by itself a few seconds after nobody listens.
+        return
+    began_s = time.monotonic()
+    try:
+        async with asyncio.timeout(1.0):
+            await broker.streams.delete_consumer(stream_name(partition), name)
+    except (nats.errors.Error, StreamError, TimeoutError):
+        logger.debug("consumer of partition %d not deleted in %.1f s", partition, time.monotonic() - began_s)
+
+
+__all__ = ["read"]

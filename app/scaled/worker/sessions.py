@@ -1,0 +1,143 @@
+"""The live sessions of one partition: the manager of a service in one process, on what a worker's partitions share."""
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from sqlalchemy import Engine, select
+
+from app.database.unit_of_work import read_only
+from app.errors import TelemotionError
+from app.limits import Limits
+from app.live import repository
+from app.live.admission import Admission
+from app.live.bus import MemoryBus
+from app.live.checks.plausibility import CheckProcess
+from app.live.engine.turns import PooledEngine
+from app.live.manager import LiveManager
+from app.live.repository import StoredSession
+from app.live.session.opening import Opener
+from app.live.session.states import OPEN
+from app.live.warmup import Readiness
+from app.network.declaration import Declaration
+from app.recordings.models import MotionSession
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.scaled.wire import partition_of
+from app.settings import Settings
+
+logger = logging.getLogger(__name__)
+
+AT_ONCE: Final = 4
+"""Sessions that are taken up at the same time after a partition was taken."""
+
+
+@dataclass
+class Shared:
+    """What the partitions of a worker have in common."""
+
+    settings: Settings
+    limits: Limits
+    readiness: Readiness
+    pooled: PooledEngine
+    check: CheckProcess
+    admission: Admission
+
+
+class PartitionSessions(LiveManager):
+    """The live sessions of one partition.
+
+    Parameters
+    ----------
+    engine : Engine
+        Fenced.
+    writer : GroupCommitWriter
+        Started, on the same engine.
+    bus : MemoryBus
+    on_closed : callable(session_id)
+    shared : Shared
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        writer: GroupCommitWriter,
+        bus: MemoryBus,
+        on_closed: Callable[[str], None],
+        shared: Shared,
+    ) -> None:
+        settings = shared.settings
+        super().__init__(
+            engine,
+            writer,
+            bus,
+            on_closed,
+            limits=shared.limits,
+            longest_s=settings.session_limit_hours * 3600.0,
+            hemisphere=settings.hemisphere,
+            confirmation_hours=settings.implant_confirmation_hours,
+        )
+        self.pooled, self.admission = shared.pooled, shared.admission
+        self._readiness, self._check_process = shared.readiness, shared.check
+        self._opener = Opener(engine, writer, bus, settings.hemisphere, shared.check)
+
+    async def begin(self, partition: int, partitions: int) -> None:
+        """Take up the partition's sessions where what is stored of them ends, then look after them."""
+        self._loop = asyncio.get_running_loop()
+        open_ones, closing = await asyncio.to_thread(_unfinished, self.engine, partition, partitions)
+        for session_id in closing:
+            await asyncio.to_thread(self._on_closed, session_id)
+        turn = asyncio.Semaphore(AT_ONCE)
+
+        async def take_up(stored: StoredSession) -> None:
+            async with turn:
+                try:
+                    await self.join(stored, Declaration.from_dict(stored.hello or {}))
+                except TelemotionError as error:
+                    logger.error("session %s could not be taken up: %s", stored.id, error.message)
+                    self._housekeeping.abandoned(stored.id)
+
+        await asyncio.gather(*(take_up(stored) for stored in open_ones))
+        self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
+
+    async def closed(self) -> None:
+        """Wait until the sessions that are being closed are."""
+        await asyncio.gather(*self._closing.values(), return_exceptions=True)
+
+    def leave(self) -> None:
+        """Let every session go as it stands; whoever holds the partition next goes on."""
+        self._is_stopping = True
+        for task in (self._housekeeper, *self._closing.values(), *self._tasks):
+            if task is not None:
+                task.cancel()
+        self.pooled.turn()
+        for session in self.sessions:
+            # Nothing that comes after this may reach the sessions that share the pool.
+            session.line.is_running = False
+            if session.lane is not None:
+                with contextlib.suppress(TelemotionError):
+                    session.lane.leave()
+        self._sessions.clear()
+        self.end_checks()
+
+
+def _unfinished(
+    engine: Engine, partition: int, partitions: int
+) -> tuple[Sequence[StoredSession], Sequence[str]]:
+    """Return the streamed sessions of a partition that are open, and those that wait to be analysed."""
+    with read_only(engine) as session:
+        rows = session.execute(
+            select(MotionSession.id, MotionSession.state).where(
+                MotionSession.state.in_([*OPEN - {"created"}, "closing"]),
+                MotionSession.source == "stream",
+                MotionSession.hello.is_not(None),
+            )
+        ).all()
+    own = [(str(row.id), row.state) for row in rows if partition_of(row.id, partitions) == partition]
+    stored = [repository.load(engine, one) for one, state in own if state != "closing"]
+    return [one for one in stored if not one.is_ended], [one for one, state in own if state == "closing"]
+
+
+__all__ = ["PartitionSessions", "Shared"]
