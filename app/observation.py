@@ -118,13 +118,7 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     ended: Counter[str] = Counter()
     services.get(JobRunner).subscribe(lambda done: _count(ended, done))
     registry.counter("tasks_ended_total", "Long tasks ended, by outcome.", lambda: _by("status", ended))
-    registry.counter(
-        "http_requests_total", "Requests answered, by status.", lambda: _by("status", served.by_status)
-    )
-    registry.histogram("http_request_seconds", "Time to the end of an answer.", served.seconds)
-    registry.gauge(
-        "ready", "1 when what is sent now can be stored.", lambda: float(not services.get(Readiness).reasons)
-    )
+    _observe_serving(registry, services)
     latency, lag = Histogram(LATENCY_BOUNDS_S), Histogram(LAG_BOUNDS_S)
     registry.histogram("live_latency_seconds", "Packet arrival to published frame.", latency)
     registry.histogram("event_loop_lag_seconds", "By how much the event loop wakes too late.", lag)
@@ -146,13 +140,19 @@ def observe_part(services: Services, gauges: Mapping[str, tuple[str, Callable[[]
     _counters(registry, "ingest", _INGEST, ingest)
     for name, (meaning, value) in gauges.items():
         registry.gauge(name, meaning, value)
+    _observe_serving(registry, services)
+    return registry
+
+
+def _observe_serving(registry: Registry, services: Services) -> None:
+    """Register what every process that answers requests counts."""
     registry.counter(
         "http_requests_total", "Requests answered, by status.", lambda: _by("status", served.by_status)
     )
+    registry.histogram("http_request_seconds", "Time to the end of an answer.", served.seconds)
     registry.gauge(
         "ready", "1 when what is sent now can be stored.", lambda: float(not services.get(Readiness).reasons)
     )
-    return registry
 
 
 def _counters(registry: Registry, room: str, meanings: dict[str, str], counted: Any) -> None:

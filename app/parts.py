@@ -22,10 +22,7 @@ from app.edge.readiness import Readiness, storing_checks
 from app.edge.registry import Registry
 from app.errors import TelemotionError
 from app.ingest.upload import remove_orphans
-from app.live.admission import Admission
 from app.live.bus import MemoryBus
-from app.live.checks.plausibility import CheckProcess
-from app.live.engine.turns import PooledEngine
 from app.live.side import LiveSide, SteeredSide
 from app.live.warmup import Readiness as Warmth
 from app.live.warmup import prepare_process
@@ -39,7 +36,7 @@ from app.scaled.edge.forwarding import forwarding_router
 from app.scaled.edge.side import EdgeSide
 from app.scaled.wire import Answer, Request, partition_of, subject
 from app.scaled.worker.holder import Worker
-from app.scaled.worker.sessions import Shared
+from app.scaled.worker.sessions import OfWorker
 from app.services import Services
 from app.settings import Settings
 from app.viewer import open_viewer
@@ -127,12 +124,10 @@ class _WorkerOpening:
         await warmth.begin()
         stack.callback(warmth.end)
         prepare_process()
-        check = CheckProcess()
-        stack.push_async_callback(partial(to_thread.run_sync, check.close))
-        admission = Admission()
-        measuring = asyncio.create_task(admission.run(), name="live admission")
+        shared = OfWorker(settings=settings, limits=services.limits, readiness=warmth)
+        stack.push_async_callback(partial(to_thread.run_sync, shared.check.close))
+        measuring = asyncio.create_task(shared.admission.run(), name="live admission")
         stack.callback(measuring.cancel)
-        shared = Shared(settings, services.limits, warmth, PooledEngine(), check, admission)
         worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
         services.add(worker.bus, MemoryBus)
         tasks = Tasks(services, broker)
@@ -157,7 +152,7 @@ async def answer(transport: httpx.ASGITransport, request: Request) -> Answer:
     return Answer(response.status_code, list(response.headers.raw), response.content)
 
 
-def _observe_worker(services: Services, worker: Worker, shared: Shared) -> Registry:
+def _observe_worker(services: Services, worker: Worker, shared: OfWorker) -> Registry:
     return observe_part(
         services,
         {

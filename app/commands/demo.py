@@ -107,7 +107,7 @@ def _prepare(settings: Settings, folder: Path, fresh: bool) -> HistoryProgress:
 
 def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_complete: bool) -> None:
     """Print the address as soon as it answers."""
-    while not _answers(port):
+    while not answers(port):
         time.sleep(_ANSWER_POLL_S)
     person = PATIENTS[0]
     lines = [
@@ -126,7 +126,8 @@ def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_com
     typer.echo("\n".join([*lines, ""]))
 
 
-def _answers(port: int) -> bool:
+def answers(port: int) -> bool:
+    """Return whether a service answers at a port of this machine."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
     try:
         connection.request("GET", "/api/health")

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import typer
 
-from app.commands.demo import _answers
+from app.commands.demo import answers
 from app.commands.serve import listen
 from app.database import engine as engines
 from app.database import migrate
@@ -140,7 +140,7 @@ def _running(command: Sequence[str], environment: dict[str, str], log: Path | No
 
 def _until_ready(ports: Sequence[int]) -> None:
     until_s = time.monotonic() + START_S
-    while not all(_answers(port) for port in ports):
+    while not all(answers(port) for port in ports):
         if time.monotonic() > until_s:
             raise Unavailable("Not every edge and worker answers; see what they wrote above.")
         time.sleep(0.2)

@@ -1,21 +1,14 @@
 """`telemotion edge` and `telemotion worker`: the parts of a service on many machines."""
 
-import contextlib
-import logging
-import socket
-import sys
-from typing import Any, Final
+from typing import Final
 
-import uvicorn
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app import logs
 from app.commands.private_folder import make_private
-from app.commands.serve import EXIT_NOT_STARTED, listen
+from app.commands.serve import listen, run_application
 from app.database.writer_lock import shared_lock
 from app.settings import Settings
-
-logger = logging.getLogger("telemotion.service")
 
 OPEN_PATHS: Final = frozenset({"/api/health", "/api/ready", "/metrics"})
 """All that a worker answers directly; the rest comes by way of an edge."""
@@ -44,7 +37,7 @@ def edge(host: str, port: int) -> None:
     with listen(host, port) as listener:
         lock = shared_lock(settings.database_url, "telemotion edge", f"{host}:{port}")
         make_private(settings)
-        _run(settings, create_edge(settings, lock), listener)
+        run_application(settings, create_edge(settings, lock), listener)
 
 
 def worker(host: str, port: int) -> None:
@@ -57,7 +50,7 @@ def worker(host: str, port: int) -> None:
     with listen(host, port) as listener:
         lock = shared_lock(settings.database_url, "telemotion worker", f"{host}:{port}")
         make_private(settings)
-        _run(settings, _Guarded(create_worker(settings, lock, name)), listener)
+        run_application(settings, _Guarded(create_worker(settings, lock, name)), listener)
 
 
 class _Guarded:
@@ -74,31 +67,6 @@ class _Guarded:
             await send({"type": "http.response.body", "body": b""})
         else:
             await send({"type": "websocket.close", "code": 1008})
-
-
-def _run(settings: Settings, app: Any, listener: socket.socket) -> None:
-    from app.edge.slow_senders import timed_headers
-    from app.network.lean_sockets import LeanSocket
-
-    server = uvicorn.Server(
-        uvicorn.Config(
-            app,
-            ws=LeanSocket,
-            loop="uvloop",
-            http=timed_headers(settings.request_header_seconds, settings.request_floor_bytes_per_s),
-            ws_per_message_deflate=False,
-            ws_max_size=1 << 20,
-            access_log=False,
-            log_config=None,
-            timeout_graceful_shutdown=10,
-            server_header=False,
-            forwarded_allow_ips=settings.trusted_proxies,
-        )
-    )
-    with contextlib.suppress(KeyboardInterrupt):
-        server.run(sockets=[listener])
-    if not server.started:
-        sys.exit(EXIT_NOT_STARTED)
 
 
 __all__ = ["edge", "worker"]

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from app import logs
 from app.commands.private_folder import make_private
@@ -79,7 +80,7 @@ def claim(
 
 
 def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
-    """Serve until asked to stop.
+    """Serve everything in one process until asked to stop: a live session's estimator state lives in it.
 
     Parameters
     ----------
@@ -92,19 +93,38 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
     ------
     SystemExit
         The service could not open.
+    """
+    from app.main import create_app
+
+    run_application(settings, create_app(settings, lock=lock), listener)
+
+
+def run_application(settings: Settings, app: ASGIApp, listener: socket.socket) -> None:
+    """Serve an application until asked to stop.
+
+    Parameters
+    ----------
+    settings : Settings
+    app : ASGIApp
+    listener : socket
+        From `listen`.
+
+    Raises
+    ------
+    SystemExit
+        The application could not open.
 
     Notes
     -----
-    One process: a live session's estimator state lives in it. Per-message deflate is off because packets are
-    binary and small, and access lines are the service's own (no query strings, no patient data).
+    Per-message deflate is off because packets are binary and small, and access lines are the service's own (no query
+    strings, no patient data).
     """
     from app.edge.slow_senders import timed_headers
-    from app.main import create_app
     from app.network.lean_sockets import LeanSocket
 
     server = uvicorn.Server(
         uvicorn.Config(
-            create_app(settings, lock=lock),
+            app,
             ws=LeanSocket,
             loop="uvloop",
             http=timed_headers(settings.request_header_seconds, settings.request_floor_bytes_per_s),

@@ -4,6 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 from weakref import WeakValueDictionary
@@ -46,6 +47,17 @@ QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 
 
+@dataclass
+class Shared:
+    """What the managers of a process have in common; a service in one process has one manager."""
+
+    readiness: Readiness = field(default_factory=Readiness)
+    pooled: PooledEngine = field(default_factory=PooledEngine)
+    """Takes the packets of all sessions that it can take."""
+    check: CheckProcess = field(default_factory=CheckProcess)
+    admission: Admission = field(default_factory=Admission)
+
+
 class LiveManager(SteeredSide):
     """Finds, opens, watches and closes live sessions.
 
@@ -63,6 +75,8 @@ class LiveManager(SteeredSide):
         Of the place, see `FirstSeconds`.
     confirmation_hours : float
         How long the word that nobody has an implant holds; a source is stopped when it ends.
+    shared : Shared, optional
+        By default made for this manager alone.
     """
 
     def __init__(
@@ -78,8 +92,10 @@ class LiveManager(SteeredSide):
         longest_s: float = LONGEST_S,
         hemisphere: Hemisphere = "north",
         confirmation_hours: float = CONFIRMATION_HOURS,
+        shared: Shared | None = None,
     ) -> None:
         super().__init__(engine, bus)
+        shared = shared or Shared()
         self.writer = writer
         self._confirmation_hours = confirmation_hours
         self._on_closed = on_closed
@@ -101,17 +117,16 @@ class LiveManager(SteeredSide):
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
-        self._readiness = Readiness()
+        self._readiness = shared.readiness
         self._being_opened: set[str] = set()
         self._sent_away: dict[str, Sentence] = {}
         """Sessions whose gateway is to come again later, and why."""
-        self.admission = Admission()
+        self.admission = shared.admission
         self._measuring: asyncio.Task[None] | None = None
-        self._check_process = CheckProcess()
+        self._check_process = shared.check
         self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
-        self.pooled = PooledEngine()
-        """Takes the packets of all sessions that it can take."""
+        self.pooled = shared.pooled
 
     async def start(self) -> None:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""

@@ -3,6 +3,7 @@
 All functions block; the live side calls them in a thread.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -315,6 +316,30 @@ def interrupted(engine: Engine) -> list[StoredSession]:
             select(MotionSession).where(MotionSession.state.in_(states), MotionSession.source == "stream")
         )
         return [_stored(row) for row in rows]
+
+
+def unfinished(
+    engine: Engine, is_own: Callable[[str], bool]
+) -> tuple[Sequence[StoredSession], Sequence[str]]:
+    """Return streamed sessions that are open, and the identifiers of those that wait to be analysed.
+
+    Parameters
+    ----------
+    engine : Engine
+    is_own : callable(session_id)
+        Whose are wanted.
+    """
+    with read_only(engine) as session:
+        rows = session.execute(
+            select(MotionSession.id, MotionSession.state).where(
+                MotionSession.state.in_([*OPEN - {"created"}, "closing"]),
+                MotionSession.source == "stream",
+                MotionSession.hello.is_not(None),
+            )
+        ).all()
+    own = [(str(row.id), row.state) for row in rows if is_own(row.id)]
+    stored = [load(engine, one) for one, state in own if state != "closing"]
+    return [one for one in stored if not one.is_ended], [one for one, state in own if state == "closing"]
 
 
 def calibration_of(setup: dict[str, Any]) -> Calibration | None:

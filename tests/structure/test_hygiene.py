@@ -25,7 +25,7 @@ def test_locks_hold_no_registry_addresses() -> None:
 
 
 def test_no_machine_paths_in_tracked_files() -> None:
-    pattern = re.compile(r"/root/|/work/(main|shared)|/tmp/bash_jobs")
+    pattern = re.compile(r"[/]root[/]|[/]work[/](main|shared)|[/]tmp[/]bash_jobs")
     found = []
     for path in tracked("*.py", "*.ts", "*.tsx", "*.md", "*.toml", "Makefile", "docker/*", ".ci/*"):
         if path == Path(__file__):

@@ -20,7 +20,7 @@ from app.scaled.broker import Broker
 from app.scaled.wire import partition_of
 from app.scaled.worker.leases import Leases
 from app.scaled.worker.partition import Ask, Partition
-from app.scaled.worker.sessions import PartitionSessions, Shared
+from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.schemas import Schema
 from app.sentences import say
 
@@ -35,11 +35,11 @@ class Worker(SteeredSide):
     broker : Broker
     engine : Engine
         With `app.scaled.fencing.install`; its connections are named `name`.
-    shared : Shared
+    shared : OfWorker
     name : str
     """
 
-    def __init__(self, broker: Broker, engine: Engine, shared: Shared, name: str) -> None:
+    def __init__(self, broker: Broker, engine: Engine, shared: OfWorker, name: str) -> None:
         super().__init__(engine, MemoryBus())
         self._broker, self._shared, self._name = broker, shared, name
         self._ask: Ask | None = None

@@ -39,7 +39,7 @@ from app.scaled.worker.outlet import Outlet
 from app.scaled.worker.questions import Questions
 from app.scaled.worker.reader import read
 from app.scaled.worker.senders import StreamSender
-from app.scaled.worker.sessions import PartitionSessions, Shared
+from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.sentences import say
 
 logger = logging.getLogger(__name__)
@@ -70,7 +70,7 @@ class Partition:
     broker : Broker
     engine : Engine
         Of this worker, not fenced.
-    shared : Shared
+    shared : OfWorker
     worker : str
         Name of the worker's connections to the database.
     refused : callable()
@@ -84,7 +84,7 @@ class Partition:
         number: int,
         broker: Broker,
         engine: Engine,
-        shared: Shared,
+        shared: OfWorker,
         worker: str,
         refused: Callable[[], None],
         ask: Ask,

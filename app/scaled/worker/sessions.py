@@ -3,27 +3,19 @@
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from sqlalchemy import Engine, select
+from sqlalchemy import Engine
 
-from app.database.unit_of_work import read_only
 from app.errors import TelemotionError
 from app.limits import Limits
 from app.live import repository
-from app.live.admission import Admission
 from app.live.bus import MemoryBus
-from app.live.checks.plausibility import CheckProcess
-from app.live.engine.turns import PooledEngine
-from app.live.manager import LiveManager
+from app.live.manager import LiveManager, Shared
 from app.live.repository import StoredSession
-from app.live.session.opening import Opener
-from app.live.session.states import OPEN
-from app.live.warmup import Readiness
 from app.network.declaration import Declaration
-from app.recordings.models import MotionSession
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.wire import partition_of
 from app.settings import Settings
@@ -34,16 +26,12 @@ AT_ONCE: Final = 4
 """Sessions that are taken up at the same time after a partition was taken."""
 
 
-@dataclass
-class Shared:
+@dataclass(kw_only=True)
+class OfWorker(Shared):
     """What the partitions of a worker have in common."""
 
     settings: Settings
     limits: Limits
-    readiness: Readiness
-    pooled: PooledEngine
-    check: CheckProcess
-    admission: Admission
 
 
 class PartitionSessions(LiveManager):
@@ -57,7 +45,7 @@ class PartitionSessions(LiveManager):
         Started, on the same engine.
     bus : MemoryBus
     on_closed : callable(session_id)
-    shared : Shared
+    shared : OfWorker
     """
 
     def __init__(
@@ -66,7 +54,7 @@ class PartitionSessions(LiveManager):
         writer: GroupCommitWriter,
         bus: MemoryBus,
         on_closed: Callable[[str], None],
-        shared: Shared,
+        shared: OfWorker,
     ) -> None:
         settings = shared.settings
         super().__init__(
@@ -78,15 +66,15 @@ class PartitionSessions(LiveManager):
             longest_s=settings.session_limit_hours * 3600.0,
             hemisphere=settings.hemisphere,
             confirmation_hours=settings.implant_confirmation_hours,
+            shared=shared,
         )
-        self.pooled, self.admission = shared.pooled, shared.admission
-        self._readiness, self._check_process = shared.readiness, shared.check
-        self._opener = Opener(engine, writer, bus, settings.hemisphere, shared.check)
 
     async def begin(self, partition: int, partitions: int) -> None:
         """Take up the partition's sessions where what is stored of them ends, then look after them."""
         self._loop = asyncio.get_running_loop()
-        open_ones, closing = await asyncio.to_thread(_unfinished, self.engine, partition, partitions)
+        open_ones, closing = await asyncio.to_thread(
+            repository.unfinished, self.engine, lambda one: partition_of(one, partitions) == partition
+        )
         for session_id in closing:
             await asyncio.to_thread(self._on_closed, session_id)
         turn = asyncio.Semaphore(AT_ONCE)
@@ -123,21 +111,4 @@ class PartitionSessions(LiveManager):
         self.end_checks()
 
 
-def _unfinished(
-    engine: Engine, partition: int, partitions: int
-) -> tuple[Sequence[StoredSession], Sequence[str]]:
-    """Return the streamed sessions of a partition that are open, and those that wait to be analysed."""
-    with read_only(engine) as session:
-        rows = session.execute(
-            select(MotionSession.id, MotionSession.state).where(
-                MotionSession.state.in_([*OPEN - {"created"}, "closing"]),
-                MotionSession.source == "stream",
-                MotionSession.hello.is_not(None),
-            )
-        ).all()
-    own = [(str(row.id), row.state) for row in rows if partition_of(row.id, partitions) == partition]
-    stored = [repository.load(engine, one) for one, state in own if state != "closing"]
-    return [one for one in stored if not one.is_ended], [one for one, state in own if state == "closing"]
-
-
-__all__ = ["PartitionSessions", "Shared"]
+__all__ = ["OfWorker", "PartitionSessions"]

@@ -14,7 +14,7 @@ from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._contract import Calibration, SessionSetup
-from estimators.pipelines.arm.kernel import Estimated, InRoom, Worn, compose
+from estimators.pipelines.arm.kernel import Worn, compose
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 
@@ -116,15 +116,16 @@ class BodyNetwork:
         sigma, flags = np.empty((ticks, sensors, 3)), np.empty((ticks, sensors), dtype=np.uint8)
         known = result.sigma_rad
         compose(
-            Estimated(
-                result.q_earth_sensor,
-                np.full((sensors, ticks, 3), np.nan) if known is None else known,
-                np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
-                result.gyroscope_bias_radps,
-                result.flags,
-            ),
+            result.q_earth_sensor,
+            np.full((sensors, ticks, 3), np.nan) if known is None else known,
+            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
+            result.gyroscope_bias_radps,
+            result.flags,
             Worn(self._q_room_earth, self._q_sensor_segment, self._mounting_variance, self._more_flags),
-            InRoom(q_room_segment, omega, sigma, flags),
+            q_room_segment,
+            omega,
+            sigma,
+            flags,
         )
         self._remember(first, ticks, result)
         self._next_tick = first + ticks

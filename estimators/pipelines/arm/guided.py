@@ -122,7 +122,7 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
         raise SetupError(say("calibration.not_worn", where=unknown))
     anew = None
     is_remembered = not set(worn) <= set(known.gyroscope_bias_radps)
-    if not set(worn) <= set(known.gyroscope_bias_radps):
+    if is_remembered:
         known, anew = _begun_at_rest(network, pose, known)
     q_earth_sensor, flags = network.during(pose, anew)
     heading_rad = {

@@ -38,19 +38,6 @@ def compose_numpy(
     return q_room_segment.swapaxes(0, 1), omega.swapaxes(0, 1), sigma.swapaxes(0, 1)
 
 
-class Estimated(NamedTuple):
-    """What is known of S sensors at K ticks, in the earth frame: shapes (S, K, ...).
-
-    Turning rate and its bias are the gyroscope's, in sensor axes.
-    """
-
-    q_earth_sensor: Float
-    sigma_rad: Float
-    gyroscope_radps: Float
-    bias_radps: Float
-    flags: Flags
-
-
 class Worn(NamedTuple):
     """How the sensors are worn: shapes (S, 4), (S, 4), (S, 3) and (S,).
 
@@ -62,15 +49,6 @@ class Worn(NamedTuple):
     q_sensor_segment: Float
     mounting_variance: Float
     more_flags: Flags
-
-
-class InRoom(NamedTuple):
-    """What is filled of S segments, K ticks leading: shapes (K, S, ...)."""
-
-    q_room_segment: Float
-    omega_radps: Float
-    sigma_rad: Float
-    flags: Flags
 
 
 @borrowing(inlined=True)
@@ -87,14 +65,25 @@ def _with_mounting(w: float, x: float, y: float, z: float, variance: Float, sigm
     return about_x, about_y, about_z
 
 
-def compose_python(known: Estimated, worn: Worn, out: InRoom) -> None:
-    """Fill the segments in the room.
+def compose_python(
+    q_earth_sensor: Float,
+    sigma_earth: Float,
+    gyroscope_radps: Float,
+    bias_radps: Float,
+    flags: Flags,
+    worn: Worn,
+    q_room_segment: Float,
+    omega_room: Float,
+    sigma_room: Float,
+    segment_flags: Flags,
+) -> None:
+    """Fill the outputs, shapes (K, S, ...), from what is known of the sensors in the earth frame, shapes (S, K, ...).
 
     Orientation is `q_room_earth * q_earth_sensor * q_sensor_segment`; the turning rate is that of the segment
     in room axes, NaN where there is no estimate; sigma is about the room axes, that of the orientation and what the
     mounting adds to it.
     """
-    sensors, ticks = known.flags.shape
+    sensors, ticks = flags.shape
     has_mounting = worn.mounting_variance.shape[0] > 0
     for s in range(sensors):
         first, last = worn.q_room_earth[s], worn.q_sensor_segment[s]
@@ -103,7 +92,7 @@ def compose_python(known: Estimated, worn: Worn, out: InRoom) -> None:
         # q_room_earth turns about z only.
         cosine, sine = aw * aw - az * az, 2.0 * aw * az
         for k in range(ticks):
-            between = known.q_earth_sensor[s, k]
+            between = q_earth_sensor[s, k]
             bw, bx, by, bz = between[0], between[1], between[2], between[3]
             w = aw * bw - ax * bx - ay * by - az * bz
             x = aw * bx + ax * bw + ay * bz - az * by
@@ -113,23 +102,23 @@ def compose_python(known: Estimated, worn: Worn, out: InRoom) -> None:
             gx = w * cx + x * cw + y * cz - z * cy
             gy = w * cy - x * cz + y * cw + z * cx
             gz = w * cz + x * cy - y * cx + z * cw
-            q_out, omega, sigma = out.q_room_segment[k, s], out.omega_radps[k, s], out.sigma_rad[k, s]
+            q_out, omega, sigma = q_room_segment[k, s], omega_room[k, s], sigma_room[k, s]
             q_out[0], q_out[1], q_out[2], q_out[3] = gw, gx, gy, gz
-            flag = known.flags[s, k]
-            out.flags[k, s] = flag | worn.more_flags[s]
+            flag = flags[s, k]
+            segment_flags[k, s] = flag | worn.more_flags[s]
             if flag & _INVALID:
                 omega[0], omega[1], omega[2] = np.nan, np.nan, np.nan
             else:
-                rate, bias = known.gyroscope_radps[s, k], known.bias_radps[s, k]
+                rate, bias = gyroscope_radps[s, k], bias_radps[s, k]
                 p, q, r = rate[0] - bias[0], rate[1] - bias[1], rate[2] - bias[2]
                 tx, ty, tz = 2.0 * (y * r - z * q), 2.0 * (z * p - x * r), 2.0 * (x * q - y * p)
                 omega[0] = p + w * tx + y * tz - z * ty
                 omega[1] = q + w * ty + z * tx - x * tz
                 omega[2] = r + w * tz + x * ty - y * tx
-            sx, sy = known.sigma_rad[s, k, 0], known.sigma_rad[s, k, 1]
+            sx, sy = sigma_earth[s, k, 0], sigma_earth[s, k, 1]
             about_x = np.sqrt((cosine * sx) ** 2 + (sine * sy) ** 2)
             about_y = np.sqrt((sine * sx) ** 2 + (cosine * sy) ** 2)
-            about = (about_x, about_y, known.sigma_rad[s, k, 2])
+            about = (about_x, about_y, sigma_earth[s, k, 2])
             if has_mounting:
                 about = _with_mounting(gw, gx, gy, gz, worn.mounting_variance[s], about)
             sigma[0], sigma[1], sigma[2] = about
@@ -139,8 +128,8 @@ _ROW, _TABLE, _CUBE = types.uint8[::1], types.float64[:, ::1], types.float64[:, 
 _BYTES = types.uint8[:, ::1]
 compose = borrowing(
     VOID(
-        bundle(Estimated, _CUBE, _CUBE, _CUBE, _CUBE, _BYTES),
+        *(_CUBE, _CUBE, _CUBE, _CUBE, _BYTES),
         bundle(Worn, _TABLE, _TABLE, _TABLE, _ROW),
-        bundle(InRoom, _CUBE, _CUBE, _CUBE, _BYTES),
+        *(_CUBE, _CUBE, _CUBE, _BYTES),
     )
 )(compose_python)

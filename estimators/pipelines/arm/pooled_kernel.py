@@ -16,7 +16,7 @@ from estimators.orientation._screen import _FIELD, _SAMPLE, _judge
 from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.orientation.telemotion._kernel import run
 from estimators.orientation.telemotion._records import SETTINGS, STATE
-from estimators.pipelines.arm.kernel import Estimated, InRoom, Worn, compose
+from estimators.pipelines.arm.kernel import Worn, compose
 from estimators.pipelines.arm.rows import SESSION, ArmRows, ArmTables, ArmWork
 from estimators.pipelines.pooled import STRETCH, Columns
 from estimators.recording import Float, SampleQuality
@@ -224,14 +224,16 @@ def step_arms(
         omega = work.omega[:size].reshape((ticks, sensors, 3))
         variance = r.mounting_variance[a:b] if x.has_mounting else r.mounting_variance[a:a]
         compose(
-            Estimated(q, sigma, rate, bias, flags),
+            q,
+            sigma,
+            rate,
+            bias,
+            flags,
             Worn(r.q_room_earth[a:b], r.q_sensor_segment[a:b], variance, r.more_flags[a:b]),
-            InRoom(
-                out.q_room_segment[start:stop],
-                omega,
-                out.segment_sigma_rad[start:stop],
-                out.segment_flags[start:stop],
-            ),
+            out.q_room_segment[start:stop],
+            omega,
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
         )
         _remember(x, first_tick, q, flags, r.memory_tick[slot], r.memory_q[slot], r.memory_flags[slot])
         _move_arms(slot, x.step_s, r, tables, omega, start, stop, out)

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from app.demo.people import PATIENTS, THERAPIST
-from app.sentences import ENGLISH
+from app.ingest.client_words import english
 from app.sentences.german import GERMAN
 from tests.e2e.conftest import ROOT, House, Visitor
 
@@ -54,7 +54,7 @@ def catalogue(language: str) -> set[str]:
     for path in files:
         for entry in KEY.findall(path.read_text()):
             found |= {text.replace("\\'", "'") for text in QUOTED.findall(entry)}
-    for sentence in ({"en": ENGLISH, "de": GERMAN}[language]).values():
+    for sentence in ({"en": english(), "de": GERMAN}[language]).values():
         found |= {sentence} if isinstance(sentence, str) else set(sentence.values())
     return found
 

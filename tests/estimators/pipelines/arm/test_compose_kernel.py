@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimators import rotation
-from estimators.pipelines.arm.kernel import Estimated, InRoom, Worn, compose, compose_numpy, compose_python
+from estimators.pipelines.arm.kernel import Worn, compose, compose_numpy, compose_python
 
 NO_MOUNTING = np.empty((0, 3))
 
@@ -21,13 +21,13 @@ def draw(sensors=5, ticks=11, seed=1):
 
 def filled(function, arguments):
     sensors, ticks = arguments[4].shape
-    out = InRoom(
+    out = (
         np.empty((ticks, sensors, 4)),
         np.empty((ticks, sensors, 3)),
         np.empty((ticks, sensors, 3)),
         np.empty((ticks, sensors), dtype=np.uint8),
     )
-    function(Estimated(*arguments[:5]), Worn(*arguments[5:]), out)
+    function(*arguments[:5], Worn(*arguments[5:]), *out)
     return out
 
 
