@@ -147,8 +147,10 @@ class LeanSocket(WebSocketsSansIOProtocol):
         return True
 
     def send_text_now(self, text: str) -> bool:
-        """Send a text message without waiting; False when the other side does not keep up or the socket is closing."""
-        if not (self.is_open and self.writable.is_set()):
+        """Send a text message without waiting; False when the other side does not keep up."""
+        if not self.is_open:
+            return True
+        if not self.writable.is_set():
             return False
         self.conn.send_text(text.encode())
         self.transport.write(b"".join(self.conn.data_to_send()))

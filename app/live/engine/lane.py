@@ -200,7 +200,7 @@ class Lane:
         x: Any = pool.network.slot[self.slot]
         clock.fill(x)
         aligner.fill(x)
-        x["is_blocked"] = x["frame_row"] = 0
+        x["blocked"] = x["frame_row"] = 0
         self._known, self._next = known, (clock.highest, aligner.next_tick)
         return True
 

@@ -11,7 +11,16 @@ from app.live.checks.recent import LATE_TICKS
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
 from app.network.placing.kernel import place
-from app.network.placing.slot import ITEM, MOST_TICKS, Network, carried_by, network_rows, room_for
+from app.network.placing.slot import (
+    FULL,
+    ITEM,
+    MOST_TICKS,
+    ORDINARY,
+    Network,
+    carried_by,
+    network_rows,
+    room_for,
+)
 from estimators.channels import CARRIED
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
@@ -150,7 +159,10 @@ class SessionPool:
 
     def settled(self, slot: int) -> None:
         """Let the rows of a session's frames be written anew."""
-        self.network.slot[slot]["frame_row"] = 0
+        x: Any = self.network.slot[slot]
+        x["frame_row"] = 0
+        if x["blocked"] == FULL:
+            x["blocked"] = ORDINARY
 
     def quality(self, row: tuple[Any, ...]) -> NDArray[np.uint8]:
         """Return a copy of a packet's quality, shape (S, K)."""

@@ -10,13 +10,13 @@ import asyncio
 import logging
 import time
 from collections.abc import Hashable
-from typing import Final
+from typing import Any, Final
 
 from app.ingest.websocket import metrics
 from app.live.engine.journal import LENGTH, OFFSET, SENDER, Journal, Received, Sender
 from app.live.engine.lane import Lane
 from app.live.engine.pools import ITEMS, SESSIONS, STATUS, TICKS, SessionPool
-from app.network.placing.slot import ORDINARY
+from app.network.placing.slot import FULL, ORDINARY, RARE
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
@@ -176,11 +176,11 @@ class PooledEngine:
             for number, block in zip(watched, blocks, strict=True):
                 items[number][1].blocks.publish(block)
         now_s, journal = time.monotonic(), self._journal.bytes
-        rare = 0
+        taken = 0
         for ((_, at, length, _, arrival_s, arrival_ns), lane), row in zip(items, rows, strict=True):
             if row[STATUS] != ORDINARY:
-                rare += 1
                 continue
+            taken += 1
             try:
                 lane.took(row, bytes(journal[at : at + length]), arrival_s, arrival_ns, now_s)
             except Exception as error:
@@ -189,14 +189,30 @@ class PooledEngine:
                 lane.session.line.stop(error)
         for slot, raised in pool.kind.errors.items():
             next(lane for _, lane in items if lane.slot == slot).session.line.stop(raised)
-        self.ordinary += len(items) - rare
-        metrics.packets += len(items) - rare
-        if not rare:
-            return
+        self.ordinary += taken
+        metrics.packets += taken
+        if taken < len(items):
+            self._take_others(pool, items, rows)
+
+    def _take_others(
+        self, pool: SessionPool, items: list[tuple[Received, Lane]], rows: list[tuple[Any, ...]]
+    ) -> None:
+        """Take the packets that compiled code left."""
+        full: list[tuple[Received, Lane]] = []
         for (one, lane), row in zip(items, rows, strict=True):
-            if row[STATUS] != ORDINARY:
+            if row[STATUS] == RARE:
                 lane.forget()
                 self._take_rare(one)
+            elif row[STATUS] == FULL:
+                full.append((one, lane))
+        # After a pause many packets of a session come at once: the frames of the first are settled, then come the next.
+        pools = {lane: self._pool_of(lane) for _, lane in full}
+        for one, lane in full:
+            if pools[lane] is not pool:
+                self._take_rare(one)
+        again = [(one, lane) for one, lane in full if pools[lane] is pool]
+        if again:
+            self._take_part(pool, again)
 
     def _take_rare(self, one: Received) -> None:
         self.rare += 1

@@ -25,6 +25,7 @@ from app.network.packet import (
 )
 from app.network.placing.crc import crc32
 from app.network.placing.slot import (
+    FULL,
     ITEM,
     MOST_TICKS,
     ORDINARY,
@@ -355,17 +356,22 @@ def _placed(
 def _take(
     item: Record, x: Record, packets: Packets, network: Network, placed: Placed, frame_rows: int
 ) -> None:
-    """Place one packet, or leave it to the general way; so does one whose frames might find no room."""
+    """Place one packet, or leave it: to the general way, or until there is room for its frames."""
     s = item.slot
     channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
-    was_blocked, x.is_blocked = x.is_blocked, 1
-    if was_blocked or x.frame_row + MOST_TICKS > frame_rows or not _has_place(item, x, packets, sensors):
+    if x.blocked == 0:
+        if x.frame_row + MOST_TICKS > frame_rows:
+            x.blocked = FULL
+        elif not (
+            _has_place(item, x, packets, sensors)
+            and _are_usable(item, packets)
+            and _placed(s, item, x, packets, network, placed)
+        ):
+            x.blocked = RARE
+    item.status = x.blocked
+    if item.status != ORDINARY:
         item.ticks = 0
         return
-    if not _are_usable(item, packets) or not _placed(s, item, x, packets, network, placed):
-        item.ticks = 0
-        return
-    item.status, x.is_blocked = ORDINARY, 0
     item.tick_at = s * frame_rows + x.frame_row
     x.frame_row += item.ticks
     item.next_tick, item.last_position, item.rows_known = x.next_tick, x.last_position, x.rows_known
@@ -450,7 +456,7 @@ def place(
     samples = 0
     for n in range(count):
         item = items[n]
-        item.status, item.ticks, item.is_flawed = RARE, 0, 0
+        item.ticks = item.is_flawed = 0
         item.signals_at, item.quality_at, item.tick_at = 3 * channels * samples, samples, 0
         _take(item, network.slot[item.slot], packets, network, placed, frame_rows)
         samples += sensors * item.ticks

@@ -45,8 +45,8 @@ SLOT: Final = record(
         ("count_clip", "f8", 2),
         # Row, among those of the session, for the frames of the next tick.
         ("frame_row", "i8"),
-        # A rare packet came in this turn: those behind it take the general way too.
-        ("is_blocked", "i8"),
+        # Status of a packet that was not taken in this turn, else zero: those behind it wait with it.
+        ("blocked", "i8"),
     ]
 )
 """All sessions of a pool have the same sensors; what differs between them is here."""
@@ -76,8 +76,9 @@ ITEM: Final = record(
 )
 """One packet of a turn."""
 
-ORDINARY, RARE = 0, 1
-"""An ordinary packet is wholly taken by compiled code. A rare one changed nothing: the general way takes it."""
+ORDINARY, RARE, FULL = 0, 1, 2
+"""An ordinary packet is wholly taken by compiled code. Others changed nothing: a rare one takes the general way, and
+one that found no room for its frames comes again when those before it are settled."""
 
 
 class Network(NamedTuple):
@@ -211,6 +212,7 @@ def room_for(channels: int, sensors: int, most_ticks: int, mask: int = 0) -> Pla
 
 
 __all__ = [
+    "FULL",
     "ITEM",
     "MOST_TICKS",
     "ORDINARY",

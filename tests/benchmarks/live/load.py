@@ -9,7 +9,7 @@ import struct
 import time
 from array import array
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heapify, heappop, heappush
 
@@ -21,10 +21,12 @@ from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.live.messages import HealthMessage
 from app.network.messages import GoodbyeMessage
 from tests.benchmarks.live.parts import Part
-from tests.benchmarks.live.sockets import Socket, client_frame
+from tests.benchmarks.live.sockets import PING, PONG, Socket, client_frame
 from tests.benchmarks.service import EMAIL, PASSWORD, new_ticket
 
 WARM_UP_S = 5.0
+READING_S = 1.0
+"""Before measuring begins: what the service and the machine say is read, while what is sent late is not measured."""
 SLICE_S = 0.002
 """Packets that become due within it are sent together: the load shares the machine with what it measures."""
 PATIENCE_S = 30.0
@@ -111,6 +113,8 @@ def open_all(port: int, patient_id: str, parts: Sequence[tuple[Part, int]]) -> O
             some = min(CREATED_TOGETHER, count - first)
             made = asyncio.run(create(port, patient_id, [(part, some)]))
             _connect(port, made, opened, time.monotonic() + (0.0 if opened.refusals else PATIENCE_S))
+            for one in opened.sockets:
+                one.answer_pings()
     return opened
 
 
@@ -255,7 +259,7 @@ class Load:
         each_minute : callable(minutes), optional
             Called after each minute of measured time.
         on_warm : callable, optional
-            Called where measuring begins.
+            Called a second before measuring begins.
         """
         outcome, load = self.outcome, psutil.Process()
         self.begin()
@@ -263,18 +267,20 @@ class Load:
         minute = 1
         while self._events:
             due_s = self._events[0][0]
-            if cpu_from is None and due_s >= WARM_UP_S:
+            if cpu_from is None and due_s >= WARM_UP_S - READING_S:
                 if on_warm is not None:
                     on_warm()
-                cpu_from = (time.perf_counter(), cpu_s(self._server), cpu_s(load))
+                served = (self._server, *self._server.children(recursive=True))
+                cpu_from = (time.perf_counter(), cpu_s(served), cpu_s([load]))
             if each_minute is not None and due_s >= WARM_UP_S + 60.0 * minute:
                 each_minute(minute)
                 minute += 1
             self.send_next()
         assert cpu_from is not None
         elapsed = time.perf_counter() - cpu_from[0]
-        outcome.server_cpu = (cpu_s(self._server) - cpu_from[1]) / elapsed
-        outcome.load_cpu = (cpu_s(load) - cpu_from[2]) / elapsed
+        outcome.server_cpu = (cpu_s(served) - cpu_from[1]) / elapsed
+        # Not with its children: the service is one.
+        outcome.load_cpu = (cpu_s([load]) - cpu_from[2]) / elapsed
         self.end()
         return outcome
 
@@ -352,8 +358,8 @@ class Load:
                 del one.texts[:-16]
                 if one.is_live and payload.startswith(b'{"type":"health"'):
                     outcome.health[one.session] = HealthMessage.model_validate_json(payload)
-            elif opcode == 9:
-                one.connection.sendall(client_frame(payload, opcode=10))
+            elif opcode == PING:
+                one.connection.sendall(client_frame(payload, opcode=PONG))
 
     def _frame(self, session: int, payload: bytes) -> None:
         now = time.perf_counter() + self._to_epoch
@@ -369,10 +375,11 @@ class Load:
         found.sent_s.append(sent[number] - self._start - self._to_epoch)
 
 
-def cpu_s(process: psutil.Process) -> float:
-    """Processor time of a process and of those that it started."""
+def cpu_s(processes: Iterable[psutil.Process]) -> float:
+    """Processor time of processes; of one that has ended, none."""
     total = 0.0
-    for one in (process, *process.children(recursive=True)):
-        times = one.cpu_times()
-        total += times.user + times.system
+    for one in processes:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            times = one.cpu_times()
+            total += times.user + times.system
     return float(total)

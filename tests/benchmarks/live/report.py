@@ -70,8 +70,10 @@ def print_load(outcome: Outcome, opened: Opened, seconds: float) -> None:
     if len(counts) > 1:
         for name, found in outcome.of_part.items():
             print(row(f"  published, {name}", found.published_ms))
-    medians = [one.latency_ms_median for one in outcome.health.values()]
-    highs = [one.latency_ms_p99 for one in outcome.health.values()]
+    # Overloaded, a session may have shown nothing.
+    known = [one for one in outcome.health.values() if one.latency_ms_median is not None]
+    medians = [one.latency_ms_median for one in known]
+    highs = [one.latency_ms_p99 or np.nan for one in known]
     print(
         f"{'packet read -> published, by the service':<44}{np.median(medians):9.2f}{'':>9}{max(highs):9.2f}"
         "   (median of sessions, worst session)"

@@ -4,6 +4,12 @@ import base64
 import os
 import socket
 from dataclasses import dataclass, field
+from typing import Final
+
+PING: Final = 9
+PONG: Final = 10
+MOST_READ: Final = 1 << 16
+"""More would be mapped anew by the allocator with every read, which costs more than the read."""
 
 
 @dataclass
@@ -39,9 +45,23 @@ class Socket:
             self.texts += [payload for opcode, payload in self.read() if opcode == 1]
         return self.texts[0]
 
+    def answer_pings(self) -> None:
+        """Read what has come and answer pings: a service gives up a socket that leaves them unanswered."""
+        self.connection.setblocking(False)
+        try:
+            for opcode, payload in self.read():
+                if opcode == PING:
+                    self.connection.sendall(client_frame(payload, opcode=PONG))
+                elif opcode == 1:
+                    self.texts.append(payload)
+        except BlockingIOError:
+            pass
+        finally:
+            self.connection.setblocking(True)
+
     def read(self) -> list[tuple[int, bytes]]:
         """Return the (opcode, payload) of what has come."""
-        data = self.connection.recv(1 << 18)
+        data = self.connection.recv(MOST_READ)
         if not data:
             raise ConnectionError(f"the service closed a socket: {self.texts[-1:]}")
         self.buffer += data

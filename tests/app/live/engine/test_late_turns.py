@@ -8,6 +8,7 @@ import pytest
 from sqlalchemy import Engine
 
 from app.live.engine import turns
+from app.live.engine.pools import FRAME_ROWS
 from app.live.manager import LiveManager
 from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
 from tests.app.live.engine.test_both_ways import ARM, SECONDS, manager, no_checks, pair_of, stands, stored
@@ -49,6 +50,34 @@ def test_a_late_turn_shows_the_newest_and_stores_everything(
         assert [block[40:] for block in shown] == [block[40:] for block in everything[TOGETHER::TOGETHER]]
         assert stands(one) == stands(other)
         assert stored(manager, one) == stored(manager, other)
+
+    asyncio.run(run())
+
+
+def test_a_pause_of_the_link_does_not_leave_the_compiled_way(
+    manager: LiveManager,
+    world: Any,
+    engine: Engine,
+) -> None:
+    """What has waited comes at once, more than there are rows for its frames."""
+
+    async def run() -> None:
+        calibration, whole = swaying(SECONDS)
+        remember(engine, world.patient_id, calibration)
+        stream = worn(whole, ARM)
+        pair = await pair_of(manager, world, stream)
+        packets = packets_of(stream, PLAIN, np.random.default_rng(0))
+        assert 5 * len(packets) > FRAME_ROWS
+        pair.give(packets[:1], np.random.default_rng(0))
+        rare = manager.pooled.rare
+        for number, data in enumerate(packets[1:]):
+            at_s = 200.0 + 0.05 * number
+            pair.general.take_rare(data, at_s, int(1e9 * at_s))
+            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        manager.pooled.turn()
+        assert manager.pooled.rare == rare
+        await pair.settle()
+        pair.compare()
 
     asyncio.run(run())
 
