@@ -34,6 +34,7 @@ from app.gateway import ServiceClient
 from app.network.pace import BURST_S
 from app.settings import Settings
 from tests.benchmarks.live.load import (
+    PATIENCE_S,
     WARM_UP_S,
     Created,
     Load,
@@ -45,7 +46,7 @@ from tests.benchmarks.live.load import (
 )
 from tests.benchmarks.live.parts import Part, arms
 from tests.benchmarks.live.report import LIMIT_MS, heading, judge, machine, row
-from tests.benchmarks.live.sockets import Socket
+from tests.benchmarks.live.sockets import MOST_READ, Socket
 from tests.benchmarks.live.watching import Memory, idle_mb, stored
 from tests.benchmarks.service import EMAIL, PASSWORD, free_port, make_patient, start_server
 
@@ -246,7 +247,7 @@ def flooding(port: int, session: Created, seconds: float, told: "multiprocessing
 def swallow(one: Socket) -> None:
     """Read and forget."""
     with suppress(OSError):
-        while one.connection.recv(1 << 18):
+        while one.connection.recv(MOST_READ):
             pass
 
 
@@ -257,7 +258,8 @@ def flood(part: Part, calibration: dict[str, object], seconds: float) -> bool:
     rest, _ = arms(speed * seconds + 2.0 * BURST_S)
     with service(calibration) as (port, patient_id, server, folder):
         made = asyncio.run(create(port, patient_id, [(part, NEIGHBOURS), (rest, 1)]))
-        opened = connect(port, made[:-1])
+        opened = Opened()
+        connect(port, made[:-1], opened, time.monotonic() + PATIENCE_S)
         load = Load(opened, server)
         told: multiprocessing.Queue[int] = spawn.Queue()
         flooder = spawn.Process(target=flooding, args=(port, made[-1], seconds, told), daemon=True)

@@ -112,13 +112,13 @@ def open_all(port: int, patient_id: str, parts: Sequence[tuple[Part, int]]) -> O
         for first in range(0, count, CREATED_TOGETHER):
             some = min(CREATED_TOGETHER, count - first)
             made = asyncio.run(create(port, patient_id, [(part, some)]))
-            _connect(port, made, opened, time.monotonic() + (0.0 if opened.refusals else PATIENCE_S))
+            connect(port, made, opened, time.monotonic() + (0.0 if opened.refusals else PATIENCE_S))
             for one in opened.sockets:
                 one.answer_pings()
     return opened
 
 
-def _connect(port: int, sessions: Sequence[Created], opened: Opened, deadline: float) -> None:
+def connect(port: int, sessions: Sequence[Created], opened: Opened, deadline: float) -> None:
     """Connect every session that is admitted; gateways that are sent away come again as they are told."""
     for one in sessions:
         ticket = one.ingest
