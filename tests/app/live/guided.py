@@ -48,10 +48,20 @@ def template_bytes(exercise: ExerciseName = EXERCISE) -> bytes:
 
 @dataclass(frozen=True)
 class Performed:
-    """What a patient does: the stream of its sensors, and when each repetition really begins and ends."""
+    """What a patient does: the stream of its sensors, and the truth of it.
+
+    Attributes
+    ----------
+    stream : DeviceStream
+    repetitions_s : ndarray, shape (R, 2)
+        When each really begins and ends.
+    lean_rad : ndarray, shape (ticks,)
+        Of the trunk forward.
+    """
 
     stream: DeviceStream
     repetitions_s: Any
+    lean_rad: Any
 
 
 @cache
@@ -67,7 +77,11 @@ def performed(
             seed=seed,
         )
     )
-    return Performed(stream_of(made.recording), made.truth.repetitions_s)
+    return Performed(
+        stream_of(made.recording),
+        made.truth.repetitions_s,
+        made.truth.angle_rad("trunk_lean_forward_rad"),
+    )
 
 
 def prescribe(
