@@ -1,4 +1,7 @@
-// Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
+// Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on. On a narrow screen they
+// are drawn as narrow, not shrunk: their words stay as large as those around them.
+import { useElementSize } from '@mantine/hooks';
+import type { CSSProperties, ReactNode } from 'react';
 import type { CycleCurve, PhaseCurve, PhaseDesign, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
 import { bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
@@ -10,17 +13,31 @@ interface Size {
   height: number;
 }
 
-/** One movement from 0 to 100 %: two stand side by side. */
+/** At most; one movement from 0 to 100 %: two stand side by side. */
 const PHASES: Size = { width: 380, height: 210 };
-/** Days and weeks: as wide as the sheet, and low, for a table follows. */
+/** At most; days and weeks: as wide as the sheet, and low, for a table follows. */
 const DAYS: Size = { width: 720, height: 170 };
 const LEFT = 44;
 const RIGHT = 12;
 const TOP = 12;
 const BOTTOM = 30;
-const LABEL = 62;
+const LABEL = 74;
+const NARROWEST = 220;
 /** Height of the bars that mark where a repetition is outside its band. */
 const BAR = PHASES.height - BOTTOM + 5;
+
+/** A picture as wide as its place, up to its full size; before its place is known, and where there is none, of full size. */
+function Picture({ full, label, children }: { full: Size; label: string; children: (size: Size) => ReactNode }) {
+  const { ref, width } = useElementSize<HTMLDivElement>();
+  const own = width > 0 ? Math.max(NARROWEST, Math.min(full.width, Math.round(width))) : full.width;
+  return (
+    <div ref={ref} className="paper-picture" style={{ '--own': `${own}px` } as CSSProperties}>
+      <svg className="paper-chart" viewBox={`0 0 ${own} ${full.height}`} role="img" aria-label={label}>
+        {children({ width: own, height: full.height })}
+      </svg>
+    </div>
+  );
+}
 
 type Values = readonly (number | null)[];
 
@@ -132,58 +149,61 @@ export function PaperPhases({
   const mean = scaled(curve.mean);
   const repetitions = curve.repetitions.map(scaled).filter((_, index) => !left.has(index));
   const range = extent(low, high, mean, ...repetitions) ?? [0, 1];
-  const at = frame(PHASES, range[0], range[1], 0, 100);
   const own = extent(...repetitions);
+  const label = t('report.phaseLabel', {
+    label: curve.label,
+    low: quantity(own ? own[0] / unit.factor : null, curve.unit),
+    high: quantity(own ? own[1] / unit.factor : null, curve.unit),
+  });
+  const drawn = (size: Size) => {
+    const at = frame(size, range[0], range[1], 0, 100);
+    return (
+      <>
+        <Axes
+          at={at}
+          suffix={unit.suffix === '°' ? '°' : ''}
+          xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))}
+        />
+        <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
+        {phases.map(({ name, start, end }) => (
+          <g key={start} className="paper-phase">
+            {start > 0 && <path d={`M${at.x(100 * start).toFixed(1)} ${TOP}V${at.height - BOTTOM}`} />}
+            <text x={at.x(50 * (start + end))} y={TOP - 2} textAnchor="middle">
+              {fitted(name, at.x(100 * end) - at.x(100 * start))}
+            </text>
+          </g>
+        ))}
+        {repetitions.map((values, index) => (
+          <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
+        ))}
+        {outside.map(({ repetition, from, until }) => (
+          <path
+            key={`${repetition}/${from}`}
+            className="paper-outside"
+            d={pathOf(
+              scaled(curve.repetitions[repetition] ?? []).map((value, phase) =>
+                phase >= from && phase < until ? value : null,
+              ),
+              at.x,
+              at.y,
+            )}
+          />
+        ))}
+        {joined(outside).map(({ from, until }) => (
+          <path
+            key={from}
+            className="paper-outside-bar"
+            d={`M${at.x(from).toFixed(1)} ${BAR - 4}v8m0 -4H${at.x(Math.min(until, 100)).toFixed(1)}m0 -4v8`}
+          />
+        ))}
+        <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
+      </>
+    );
+  };
   return (
-    <svg
-      className="paper-chart"
-      viewBox={`0 0 ${at.width} ${at.height}`}
-      role="img"
-      aria-label={t('report.phaseLabel', {
-        label: curve.label,
-        low: quantity(own ? own[0] / unit.factor : null, curve.unit),
-        high: quantity(own ? own[1] / unit.factor : null, curve.unit),
-      })}
-    >
-      <Axes
-        at={at}
-        suffix={unit.suffix === '°' ? '°' : ''}
-        xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))}
-      />
-      <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
-      {phases.map(({ name, start, end }) => (
-        <g key={start} className="paper-phase">
-          {start > 0 && <path d={`M${at.x(100 * start).toFixed(1)} ${TOP}V${at.height - BOTTOM}`} />}
-          <text x={at.x(50 * (start + end))} y={TOP - 2} textAnchor="middle">
-            {fitted(name, at.x(100 * end) - at.x(100 * start))}
-          </text>
-        </g>
-      ))}
-      {repetitions.map((values, index) => (
-        <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
-      ))}
-      {outside.map(({ repetition, from, until }) => (
-        <path
-          key={`${repetition}/${from}`}
-          className="paper-outside"
-          d={pathOf(
-            scaled(curve.repetitions[repetition] ?? []).map((value, phase) =>
-              phase >= from && phase < until ? value : null,
-            ),
-            at.x,
-            at.y,
-          )}
-        />
-      ))}
-      {joined(outside).map(({ from, until }) => (
-        <path
-          key={from}
-          className="paper-outside-bar"
-          d={`M${at.x(from).toFixed(1)} ${BAR - 4}v8m0 -4H${at.x(Math.min(until, 100)).toFixed(1)}m0 -4v8`}
-        />
-      ))}
-      <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
-    </svg>
+    <Picture full={PHASES} label={label}>
+      {drawn}
+    </Picture>
   );
 }
 
@@ -202,23 +222,29 @@ export function PaperCycle({
     (curve?.mean ?? []).map((value, index) => (value + sign * (curve?.spread[index] ?? 0)) * unit.factor);
   const line = (curve: CycleCurve | undefined) => edge(curve, 0);
   const range = extent(edge(left, 1), edge(left, -1), edge(right, 1), edge(right, -1)) ?? [0, 1];
-  const at = frame(PHASES, range[0], range[1], 0, 100);
-  const x = (index: number) => at.x(2 * index);
   const most = (curve: CycleCurve | undefined) =>
     quantity(curve ? Math.max(...curve.mean) : null, (left ?? right)?.unit ?? '');
+  const drawn = (size: Size) => {
+    const at = frame(size, range[0], range[1], 0, 100);
+    const x = (index: number) => at.x(2 * index);
+    return (
+      <>
+        <Axes
+          at={at}
+          suffix=""
+          xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))}
+        />
+        <path className="paper-band paper-band-own" d={bandOf(edge(left, -1), edge(left, 1), x, at.y)} />
+        <path className="paper-band" d={bandOf(edge(right, -1), edge(right, 1), x, at.y)} />
+        <path className="paper-line paper-line-strong" d={pathOf(line(left), x, at.y)} />
+        <path className="paper-template paper-right" d={pathOf(line(right), x, at.y)} />
+      </>
+    );
+  };
   return (
-    <svg
-      className="paper-chart"
-      viewBox={`0 0 ${at.width} ${at.height}`}
-      role="img"
-      aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}
-    >
-      <Axes at={at} suffix="" xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
-      <path className="paper-band paper-band-own" d={bandOf(edge(left, -1), edge(left, 1), x, at.y)} />
-      <path className="paper-band" d={bandOf(edge(right, -1), edge(right, 1), x, at.y)} />
-      <path className="paper-line paper-line-strong" d={pathOf(line(left), x, at.y)} />
-      <path className="paper-template paper-right" d={pathOf(line(right), x, at.y)} />
-    </svg>
+    <Picture full={PHASES} label={t('cycle.summary', { name, left: most(left), right: most(right) })}>
+      {drawn}
+    </Picture>
   );
 }
 
@@ -232,45 +258,48 @@ export function PaperProgress({ measure, sessionId }: { measure: ProgressMeasure
   const high = scaled((point) => point.high);
   const values = scaled((point) => point.value);
   const range = extent(low, high, values) ?? [0, 1];
-  const at = frame(DAYS, range[0], range[1], times[0] ?? 0, times.at(-1) ?? 1);
-  const x = (index: number) => at.x(times[index] ?? 0);
-  const last = points.length - 1;
-  // The first and the last day are named, and those between that leave room for their neighbours.
-  const shown = points.reduce<number[]>(
-    (named, _, index) =>
-      index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL)
-        ? [...named, index]
-        : named,
-    [],
-  );
-  return (
-    <svg
-      className="paper-chart"
-      viewBox={`0 0 ${at.width} ${at.height}`}
-      role="img"
-      aria-label={t('report.progressLabel', {
-        label: measure.label,
-        count: points.length,
-        first: quantity(points[0]?.value, measure.unit),
-        last: quantity(points.at(-1)?.value, measure.unit),
-      })}
-    >
-      <Axes
-        at={at}
-        suffix={unit.suffix === '°' ? '°' : ''}
-        xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))}
-      />
-      <path className="paper-band paper-band-own" d={bandOf(low, high, x, at.y)} />
-      <path className="paper-line paper-line-strong" d={pathOf(values, x, at.y)} />
-      {values.map((value, index) => (
-        <circle
-          key={points[index]?.session_id}
-          className={points[index]?.session_id === sessionId ? 'paper-point paper-point-here' : 'paper-point'}
-          cx={x(index)}
-          cy={at.y(value)}
-          r="3.6"
+  const label = t('report.progressLabel', {
+    label: measure.label,
+    count: points.length,
+    first: quantity(points[0]?.value, measure.unit),
+    last: quantity(points.at(-1)?.value, measure.unit),
+  });
+  const drawn = (size: Size) => {
+    const at = frame(size, range[0], range[1], times[0] ?? 0, times.at(-1) ?? 1);
+    const x = (index: number) => at.x(times[index] ?? 0);
+    const last = points.length - 1;
+    // The first and the last day are named, and those between that leave room for their neighbours.
+    const shown = points.reduce<number[]>(
+      (named, _, index) =>
+        index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL)
+          ? [...named, index]
+          : named,
+      [],
+    );
+    return (
+      <>
+        <Axes
+          at={at}
+          suffix={unit.suffix === '°' ? '°' : ''}
+          xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))}
         />
-      ))}
-    </svg>
+        <path className="paper-band paper-band-own" d={bandOf(low, high, x, at.y)} />
+        <path className="paper-line paper-line-strong" d={pathOf(values, x, at.y)} />
+        {values.map((value, index) => (
+          <circle
+            key={points[index]?.session_id}
+            className={points[index]?.session_id === sessionId ? 'paper-point paper-point-here' : 'paper-point'}
+            cx={x(index)}
+            cy={at.y(value)}
+            r="3.6"
+          />
+        ))}
+      </>
+    );
+  };
+  return (
+    <Picture full={DAYS} label={label}>
+      {drawn}
+    </Picture>
   );
 }

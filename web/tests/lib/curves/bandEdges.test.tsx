@@ -1,8 +1,17 @@
 import { render } from '@testing-library/react';
-import { expect, it } from 'vitest';
+import { expect, it, vi } from 'vitest';
 import type { PhaseCurve } from '../../../src/api/types';
 import { PaperPhases } from '../../../src/charts/PaperChart';
 import { bandEdges } from '../../../src/lib/assessment/comparison';
+
+vi.stubGlobal(
+  'ResizeObserver',
+  class {
+    observe() {}
+    unobserve() {}
+    disconnect() {}
+  },
+);
 
 const curve: PhaseCurve = {
   channel: 'a',

@@ -1,5 +1,5 @@
-import { render } from '@testing-library/react';
-import { describe, expect, it } from 'vitest';
+import { act, render } from '@testing-library/react';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { MeasureValue } from '../../../src/api/types';
 import { joined, PaperPhases, pathOf } from '../../../src/charts/PaperChart';
 import { niceTicks } from '../../../src/charts/scales';
@@ -102,7 +102,24 @@ describe('what changed', () => {
   });
 });
 
+/** Pictures that are measured as this wide. */
+function measuredAs(width: number): void {
+  vi.stubGlobal(
+    'ResizeObserver',
+    class {
+      constructor(private readonly seen: ResizeObserverCallback) {}
+      observe() {
+        const entry = { contentRect: { x: 0, y: 0, width, height: 210, top: 0, left: 0, bottom: 210, right: width } };
+        this.seen([entry as ResizeObserverEntry], this as unknown as ResizeObserver);
+      }
+      unobserve() {}
+      disconnect() {}
+    },
+  );
+}
+
 describe('on paper', () => {
+  afterEach(() => vi.unstubAllGlobals());
   it('marks what is outside the band by colour, thickness and a bar with ends', () => {
     const flat = Array.from({ length: 101 }, () => 0);
     const curve = {
@@ -118,10 +135,25 @@ describe('on paper', () => {
       { repetition: 0, number: 1, from: 41, until: 60 },
       { repetition: 1, number: 2, from: 55, until: 70 },
     ];
+    measuredAs(0);
     const { container } = render(<PaperPhases curve={curve} left={new Set()} outside={outside} />);
     expect(container.querySelectorAll('.paper-outside')).toHaveLength(2);
     // Two stretches that overlap are one bar.
     expect(container.querySelectorAll('.paper-outside-bar')).toHaveLength(1);
     expect(joined(outside)).toEqual([{ from: 41, until: 70 }]);
+  });
+  it.each([
+    [316, '0 0 316 210'],
+    [500, '0 0 380 210'],
+    [0, '0 0 380 210'],
+  ])('is drawn as wide as its place, %i px, so that its words are not shrunk', async (width, view) => {
+    measuredAs(width);
+    const values = Array.from({ length: 101 }, (_, phase) => phase);
+    const curve = { channel: 'a', label: 'A', unit: 'deg', mean: values, low: values, high: values, repetitions: [] };
+    const { container } = render(<PaperPhases curve={curve} left={new Set()} />);
+    await act(() => new Promise((done) => requestAnimationFrame(() => done(undefined))));
+    expect(container.querySelector('svg')?.getAttribute('viewBox')).toBe(view);
+    const last = [...container.querySelectorAll('text')].find((one) => one.textContent === '100 %');
+    expect(Number(last?.getAttribute('x'))).toBeLessThanOrEqual(Number(view.split(' ')[2]));
   });
 });
