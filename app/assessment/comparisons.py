@@ -45,7 +45,7 @@ from estimators.errors import ComparisonError, EstimationError
 
 logger = logging.getLogger(__name__)
 
-VERSION = "4"
+VERSION = "5"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
 
 

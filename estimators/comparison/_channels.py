@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.comparison._bands import Knot, ToleranceCurve
 from estimators.comparison._contract import Repetition, Template, Trajectory
+from estimators.comparison.measures.places import ARM_POINTS, place_sigma
 from estimators.conventions import Side
 from estimators.errors import ComparisonError, SetupError
 from estimators.orientation._contract import OrientationFlag
@@ -25,7 +26,6 @@ LEG_SEGMENTS = ("thigh", "shank")
 """Their lean is a channel of repetitions, not of comparisons: no joint of the leg is measured."""
 
 _MIRRORED_SIGN = {"trunk_lean_lateral_rad", "trunk_axial_rotation_rad"}
-_ARM_POINTS = ("elbow", "wrist", "hand")
 _UNUSABLE = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR)
 
 
@@ -43,7 +43,8 @@ def trajectory(frames: Frames) -> Trajectory:
         Every angle, every scalar, then every point as `<point>.x|y|z` in the room frame, m; then of worn thighs and
         shanks `<segment>_lean_forward_rad`, how far the upper end leans ahead in the segment's own x-z plane, rad. A
         value is valid when it is finite and its sensors were tracked; an angle also not where its sequence is singular,
-        because there the number says nothing about the posture.
+        because there the number says nothing about the posture. Sigma of elbow, wrist and hand is that of their place
+        relative to the shoulder.
     """
     layout = frames.layout
     points = tuple(f"{point}.{axis}" for point in layout.points for axis in "xyz")
@@ -51,6 +52,8 @@ def trajectory(frames: Frames) -> Trajectory:
     values = np.concatenate([frames.angle_rad, frames.scalar, point_values], axis=1)
     sigma = np.full_like(values, np.nan)
     sigma[:, : len(layout.angles)] = frames.angle_sigma_rad
+    if frames.segment_sigma_rad is not None:
+        sigma[:, len(layout.angles) + len(layout.scalars) :] = place_sigma(frames, frames.segment_sigma_rad)
     valid = np.isfinite(values)
     valid[:, : len(layout.angles)] &= (frames.angle_flags & _UNUSABLE) == 0
     tracked = (frames.segment_flags & np.uint8(OrientationFlag.INVALID)) == 0
@@ -159,13 +162,13 @@ def arm_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> ArmC
             names.append(name)
             values.append(masked[:, index[name]])
             sigma.append(source.sigma[:, index[name]])
-    for point in _ARM_POINTS:
+    for point in ARM_POINTS:
         for axis in "xyz":
             name, origin = f"{point}_{side}.{axis}", f"shoulder_{side}.{axis}"
             if name in index and origin in index:
                 names.append(name)
                 values.append((masked[:, index[name]] - masked[:, index[origin]]) * size_ratio)
-                sigma.append(np.full(len(source.time_s), np.nan))
+                sigma.append(source.sigma[:, index[name]] * size_ratio)
     measured = [i for i, column in enumerate(values) if np.isfinite(column).any()]
     if not any(f"_{side}" in names[i] for i in measured):
         raise ComparisonError(say("compare.side_not_measured", side=side))

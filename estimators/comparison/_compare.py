@@ -191,10 +191,10 @@ def _phase_sigma(arm: ArmChannels, template: Template) -> Float:
     measured = resample(arm.time_s, arm.sigma, PHASES)
     sigma = np.full((PHASES, len(template.channels)), np.nan)
     for column, name in enumerate(template.channels):
-        if "." in name:
-            sigma[:, column] = position_sigma(arm, template.reach_m)
-        elif name in arm.channels:
+        if name in arm.channels:
             sigma[:, column] = measured[:, arm.channels.index(name)]
+        if "." in name and not np.isfinite(sigma[:, column]).any():
+            sigma[:, column] = position_sigma(arm, template.reach_m)
     return sigma
 
 
@@ -202,11 +202,11 @@ def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
     """Typical sensor uncertainty per template channel, shape (C,); NaN where unknown."""
     sigma = np.full(len(template.channels), np.nan)
     for column, name in enumerate(template.channels):
-        if "." in name:
-            sigma[column] = position_sigma(arm, template.reach_m)
-        elif name in arm.channels:
+        if name in arm.channels:
             own = arm.sigma[:, arm.channels.index(name)]
             sigma[column] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else np.nan
+        if "." in name and not np.isfinite(sigma[column]):
+            sigma[column] = position_sigma(arm, template.reach_m)
     return sigma
 
 

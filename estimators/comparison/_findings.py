@@ -249,7 +249,7 @@ def _compensation(
                 stated.extend(_where(left))
             found.append((difference.excess / _least(channel), CATALOGUE.together(stated)))
             outside.pop(channel, None)
-        elif left is not None and channel_unit(channel) == "rad":
+        elif left is not None and left.is_certain and channel_unit(channel) == "rad":
             text = say(
                 "findings.outside",
                 channel=channel_name(channel),
@@ -308,7 +308,9 @@ def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
             end=main.end / 100.0,
         )
         sentences.append(CATALOGUE.together([stated, *_where(main)]))
-    others = sorted((one for one in outside.values() if one is not main), key=lambda one: -one.beyond)
+    # These state by how much: no distance that is smaller than its own uncertainty.
+    certain = (one for one in outside.values() if one is not main and one.is_certain)
+    others = sorted(certain, key=lambda one: -one.beyond)
     if others:
         angles = [_beyond(one) for one in others]
         sentences.append(

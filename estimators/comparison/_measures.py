@@ -198,14 +198,28 @@ def _extent(values: Float, sigma: Float) -> tuple[float, float]:
 
 
 def position_sigma(arm: ArmChannels, reach_m: float) -> float:
-    """Estimate the standard deviation of the hand's position: the arm's angular uncertainty at full reach."""
-    angular = [
-        arm.sigma[:, column]
-        for column, name in enumerate(arm.channels)
-        if name.endswith(("_zxy_flexion", "_yxy_elevation")) and "forearm_hand" not in name
-    ]
-    known = np.concatenate(angular) if angular else np.zeros(0)
-    known = known[np.isfinite(known)]
+    """Return the standard deviation of the hand's place along an axis, m; NaN where unknown.
+
+    Where the places carry their own it is the root of their mean square. Otherwise it is estimated as that of a hand at
+    full reach: of elevation and flexion, and of the plane of elevation, which turns what the arm reaches outward, each
+    tick by the least certain of them.
+    """
+    wrist = [column for column, name in enumerate(arm.channels) if name.startswith("wrist_") and "." in name]
+    own = arm.sigma[:, wrist]
+    if np.isfinite(own).any():
+        return float(np.sqrt(np.nanmean(own**2)))
+    elevation = [name for name in arm.channels if name.endswith("_yxy_elevation")]
+    angular = []
+    for column, name in enumerate(arm.channels):
+        sigma = arm.sigma[:, column]
+        if name.endswith("_yxy_plane_of_elevation") and elevation:
+            angular.append(sigma * np.abs(np.sin(arm.values[:, arm.channels.index(elevation[0])])))
+        elif name.endswith(("_zxy_flexion", "_yxy_elevation")) and "forearm_hand" not in name:
+            angular.append(sigma)
+    if not angular:
+        return float("nan")
+    worst = np.fmax.reduce(angular)
+    known = worst[np.isfinite(worst)]
     return reach_m * float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 

@@ -11,6 +11,8 @@ from estimators.comparison._contract import PHASES, RepetitionResult, Template
 from estimators.recording import Float
 
 _CONFIDENCE = 0.975
+_OF_EXCESS = 1.28 / 2.0
+"""Nine in ten of what is stated to lie beyond the band do so; of a limit of two standard deviations."""
 _LEAST_OF_PHASE = 0.25
 _LEAST_RAD, _LEAST_M = float(np.radians(1.0)), 0.005
 """So little beyond the band is within the thickness of its line."""
@@ -29,7 +31,10 @@ class Outside:
         First and last phase of the template, percent, at which most repetitions are outside; where no phase is
         shared by most, those of the mean curve.
     beyond : float
-        How far the mean curve is beyond the band where it is farthest, rad or m.
+        How far the mean curve is beyond the band where it is farthest, rad or m; where that is certain at any phase, of
+        those phases.
+    is_certain : bool
+        Whether it is beyond the band by more than its uncertainty, so that the distance may be stated.
     phases : tuple of str
         The therapist's names of the phases that hold a quarter or more of it.
     """
@@ -40,6 +45,7 @@ class Outside:
     start: int
     end: int
     beyond: float
+    is_certain: bool
     phases: tuple[str, ...] = ()
 
 
@@ -61,7 +67,8 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
     -----
     Only those phases count at which the distance of the mean curve to the template's mean exceeds the 95 percent limit
     that the sensors (two standard deviations of the value there, common to all repetitions) and the spread between the
-    repetitions (Student) leave it.
+    repetitions (Student) leave it. The distance to the edge of the band is certain where it exceeds z = 1.28 of that
+    uncertainty, as that of a cue does: (10) of the guidance.
     """
     angles = _leave(retained, template, positions=False)
     return angles or _leave(retained, template, positions=True)
@@ -80,9 +87,11 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
         known &= np.isfinite(width)
         if not known.any():
             continue
-        known &= np.abs(mean) > _limit(retained, channel, column, difference)
+        limit = _limit(retained, channel, column, difference)
+        known &= np.abs(mean) > limit
         beyond = np.where(known, np.abs(mean) - width, -np.inf)
-        phase = int(np.argmax(beyond))
+        certain = known & (beyond > _OF_EXCESS * limit)
+        phase = int(np.argmax(np.where(certain, beyond, -np.inf) if certain.any() else beyond))
         least = _LEAST_M if "." in channel or channel.endswith("_m") else _LEAST_RAD
         if beyond[phase] <= least:
             continue
@@ -100,6 +109,7 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
                 int(phases[0]),
                 int(phases[-1]),
                 float(beyond[phase]),
+                bool(certain.any()),
                 _names(phases, template),
             )
         )
