@@ -9,8 +9,14 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.course.bands import beside_other_side
-from app.assessment.design.compiled import drawn_template, tolerance_scale_of
+from app.assessment.design.compiled import (
+    design_of,
+    drawn_template,
+    mirrored_weights,
+    tolerance_scale_of,
+)
 from app.assessment.design.counted import counted_live
+from app.assessment.design.weighted import weighted_sum
 from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
@@ -232,18 +238,21 @@ def detail(session: Session, subject: Subject, comparison_id: str) -> Comparison
     compared = comparison_from_bytes(found.content)
     session_row = session.get_one(MotionSession, found.session_id)
     template = drawn_template(version, scale=tolerance_scale_of(session, session_row, version.template_id))
+    weights = design_of(version).weights
     if template.channels != compared.channels:
-        template = mirror_template(template)
+        template, weights = mirror_template(template), mirrored_weights(weights)
     out = _out(found, template_row.name)
     patient = session.get_one(Patient, session_row.patient_id)
     exercise = session.get(Exercise, session_row.exercise_id) if session_row.exercise_id else None
+    repetitions = [repetition_comparison(one, template) for one in compared.repetitions]
     return ComparisonDetail(
         **out.model_dump(),
-        repetitions=[repetition_comparison(one, template) for one in compared.repetitions],
+        repetitions=repetitions,
         curves=phase_curves_out(template, [one.aligned for one in compared.repetitions]),
         phases=phases_out(template),
         findings=list(compared.findings),
         other_side=beside_other_side(session, patient, exercise, out.summary),
+        weighted_sum=weighted_sum(weights, template, repetitions),
     )
 
 

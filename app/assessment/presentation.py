@@ -25,6 +25,7 @@ from estimators.comparison import (
     channel_label,
     channel_unit,
     measure_label,
+    measure_unit,
 )
 from estimators.recording import Float
 
@@ -101,6 +102,11 @@ def phases_out(template: Template) -> list[PhaseDesign]:
     return [PhaseDesign(name=one.name, start=one.start, end=one.end) for one in template.phases]
 
 
+def measure_shown(name: str) -> tuple[str, float]:
+    """Return the unit that people read a measure of a repetition in, and the factor to it."""
+    return _OF_ONE.get(name) or shown_unit(measure_unit(name))
+
+
 def measure_out(measure: Measure, template: Template) -> MeasureValue:
     """Return a measure as clients see it, beside the template's own value."""
     unit, factor = _OF_ONE.get(measure.name) or shown_unit(measure.unit)
@@ -137,6 +143,7 @@ def summary_out(result: ComparisonResult, template: Template) -> list[MeasureVal
 __all__ = [
     "curve_values",
     "measure_out",
+    "measure_shown",
     "number",
     "phase_curves_out",
     "phases_out",

@@ -76,6 +76,34 @@ class OtherSide(Schema):
     symmetry_angle_percent: float
 
 
+class WeightedPart(Schema):
+    """One part of a weighted sum: a measure times its weight."""
+
+    measure: str
+    label: str
+    unit: str
+    weight: float
+    value: float | None
+    """Mean over the repetitions that the sum is of; None where no repetition has this measure."""
+    part: float | None
+    """weight x value"""
+    template_value: float | None
+    template_part: float | None
+
+
+class WeightedSum(Schema):
+    """What the therapist weighed on the template: the sum and all that it is made of."""
+
+    value: float | None
+    """Mean over the repetitions that have every part; None where none has: nothing is left out in silence."""
+    uncertainty: float | None
+    """Standard deviation between these repetitions; None of a single one."""
+    count: int
+    template_value: float | None
+    """Of the template's own measures; None where a part is measured against the template."""
+    parts: list[WeightedPart]
+
+
 class ComparisonDetail(ComparisonOut, Spoken):
     """A comparison with everything a page draws."""
 
@@ -88,6 +116,8 @@ class ComparisonDetail(ComparisonOut, Spoken):
     """Plain sentences, compensation first; beside what leaves the band at most three."""
     other_side: list[OtherSide] = Field(default_factory=list)
     """Where the exercise is one of the affected side and its twin was practised; nothing of what may be nothing."""
+    weighted_sum: WeightedSum | None = None
+    """Where the therapist defined one with the version of the template that was compared with."""
 
 
 class CaseloadRow(Spoken):

@@ -82,6 +82,15 @@ class PaceDesign(Schema):
     cue_every: int = Field(default=1, ge=1, le=100)
 
 
+class WeightDesign(Schema):
+    """One part of the therapist's weighted sum of measures."""
+
+    measure: str = Field(min_length=1, max_length=120)
+    """Name of a measure of repetitions beside the template, `TemplateContent.measures`."""
+    weight: Annotated[float, Field(ge=-1e3, le=1e3, allow_inf_nan=False)]
+    """Times the measure in the unit that people read, degrees for angles; not zero."""
+
+
 class TemplateDesign(Schema):
     """Everything that a therapist draws on a template, named for the template's side."""
 
@@ -97,6 +106,8 @@ class TemplateDesign(Schema):
     valid_share: float = Field(default=0.8, gt=0.0, le=1.2)
     """Share of each target of the movement from which a repetition is valid."""
     pace: PaceDesign = Field(default_factory=PaceDesign)
+    weights: list[WeightDesign] = Field(default_factory=list, max_length=12)
+    """Parts of a sum of measures; none, no sum: nothing is weighed that the therapist did not weigh."""
 
 
 __all__ = [
@@ -107,4 +118,5 @@ __all__ = [
     "StopDesign",
     "TemplateDesign",
     "ToleranceDesign",
+    "WeightDesign",
 ]

@@ -67,6 +67,16 @@ class PhaseCurve(Schema):
     """Every repetition's curve; dropped ones too, in the order of the repetitions."""
 
 
+class TemplateMeasure(Schema):
+    """A measure that a repetition beside this template has."""
+
+    measure: str
+    label: str
+    unit: str
+    value: float | None
+    """The template's own, the mean of its repetitions; None of what is measured against it."""
+
+
 class TemplateContent(Schema):
     """What a template looks like."""
 
@@ -76,6 +86,8 @@ class TemplateContent(Schema):
     phases: list[PhaseDesign] = Field(default_factory=list)
     """As the therapist named them."""
     movement_onset_phases: list[int] = Field(default_factory=list)
+    measures: list[TemplateMeasure] = Field(default_factory=list)
+    """Of which a weighted sum may be made."""
 
 
 class TemplatePreviewIn(Schema):

@@ -39,7 +39,7 @@ from estimators.comparison._contract import (
     Trajectory,
 )
 from estimators.comparison._judgement import judge_repetitions
-from estimators.comparison._measures import measure_label
+from estimators.comparison._measures import measure_label, measure_unit, measures_beside
 from estimators.comparison._template import build_template, near, phase_curves
 from estimators.comparison.measures.of_session import TOGETHER
 from estimators.comparison.repetitions import find_repetitions
@@ -71,6 +71,8 @@ __all__ = [
     "find_repetitions",
     "judge_repetitions",
     "measure_label",
+    "measure_unit",
+    "measures_beside",
     "mirror_template",
     "mirror_trajectory",
     "mirrored_name",

@@ -12,7 +12,7 @@ from estimators.comparison._channels import (
     fill_gaps,
     is_compensation,
 )
-from estimators.comparison._contract import Measure, Repetition, Trajectory
+from estimators.comparison._contract import Measure, Repetition, Template, Trajectory
 from estimators.comparison._smoothness import (
     UNIT_RISE_MPS,
     UNIT_RISE_RADPS,
@@ -26,7 +26,9 @@ from estimators.comparison.measures.of_repetition import (
     stroke_measures,
     units_measure,
 )
+from estimators.comparison.measures.of_session import TOGETHER
 from estimators.comparison.measures.strokes import outward_stroke
+from estimators.errors import SetupError
 from estimators.measures import MEASURES
 from estimators.recording import Float
 
@@ -44,6 +46,75 @@ SMALLEST_PATH = 0.10
 """Share of the reach below which the hand did not travel: path and speed then describe turning."""
 
 _LABELS = {one.name: one.label for one in MEASURES if one.part == "repetition"}
+
+
+_UNITS = {
+    "duration": "s",
+    "duration_ratio": "1",
+    "timing_deviation": "%",
+    "time_to_peak_speed": "%",
+    "shape_deviation": "bands",
+    "inside_band": "%",
+    "peak_deviation_phase": "%",
+    "peak_speed": "m/s",
+    "mean_speed": "m/s",
+    "peak_turning_speed": "rad/s",
+    "mean_turning_speed": "rad/s",
+    "path_residual": "m",
+    "path_turn": "rad",
+    "path_scale": "1",
+    "spectral_arc_length": "1",
+    "log_dimensionless_jerk": "1",
+    "movement_units": "count",
+    "units_per_metre": "1/m",
+    "joint_correlation": "1",
+    "joint_lag": "s",
+    "joint_common_share": "%",
+    "hand_path_ratio": "1",
+    "range_ratio": "1",
+    "multiple_correlation": "1",
+}
+
+
+def measure_unit(name: str) -> str:
+    """Return the unit of a measure of a repetition, which its values carry too; `range:` and the like by their channel.
+
+    Raises
+    ------
+    SetupError
+        If there is no such measure.
+    """
+    prefix, _, channel = name.partition(":")
+    if prefix not in _LABELS and f"{prefix}:" not in _LABELS:
+        raise SetupError(f"no measure of a repetition is named {name!r}")
+    return _UNITS.get(prefix) or channel_unit(channel)
+
+
+def measures_beside(template: Template) -> tuple[str, ...]:
+    """Return the names of what a repetition is measured by beside this template, in the order of the register.
+
+    What only all repetitions together give is not among them. A patient with fewer sensors has fewer.
+    """
+    main = template.primary_channel
+    own = [name for name in template.measures if not name.startswith(TOGETHER)]
+    beside = [
+        "duration_ratio",
+        "timing_deviation",
+        f"range_ratio:{main}",
+        "shape_deviation",
+        "inside_band",
+        f"peak_deviation:{main}",
+        "peak_deviation_phase",
+        f"shape_rms:{main}",
+        *(("path_residual", "path_turn", "path_scale") if "hand_path_ratio" in own else ()),
+    ]
+    order = [one.name for one in MEASURES if one.part == "repetition"]
+
+    def rank(name: str) -> int:
+        prefix, colon, _ = name.partition(":")
+        return order.index(prefix + colon)
+
+    return tuple(sorted((*own, *beside), key=rank))
 
 
 def measure_label(name: str) -> str:

@@ -12,7 +12,14 @@ from sqlalchemy.orm import Session
 
 from app.assessment.design.rules import cue_rule, cue_rules, stop_rule, stop_rules
 from app.errors import InvalidInput
-from app.exercises.design import CueDesign, KnotDesign, StopDesign, TemplateDesign, ToleranceDesign
+from app.exercises.design import (
+    CueDesign,
+    KnotDesign,
+    StopDesign,
+    TemplateDesign,
+    ToleranceDesign,
+    WeightDesign,
+)
 from app.exercises.models import Prescription, TemplateVersion
 from app.recordings.models import MotionSession
 from app.sentences import say
@@ -24,6 +31,7 @@ from estimators.comparison import (
     ToleranceCurve,
     channel_label,
     mirror_template,
+    mirrored_name,
     template_from_bytes,
 )
 from estimators.conventions import Side
@@ -199,8 +207,14 @@ def mirrored_design(design: TemplateDesign, template: Template) -> TemplateDesig
             "watched": list(mirrored.watched),
             "cues": cues,
             "stops": stops,
+            "weights": mirrored_weights(design.weights),
         }
     )
+
+
+def mirrored_weights(weights: Sequence[WeightDesign]) -> list[WeightDesign]:
+    """Return the parts of a weighted sum for the other side."""
+    return [one.model_copy(update={"measure": mirrored_name(one.measure)}) for one in weights]
 
 
 def _curves(channels: Sequence[str], design: TemplateDesign, scale: float) -> tuple[ToleranceCurve, ...]:

@@ -7,6 +7,7 @@ from app.assessment import repository
 from app.assessment.design import shown
 from app.assessment.design.compiled import apply_design
 from app.assessment.design.rules import check_rules
+from app.assessment.design.weighted import check_weights
 from app.errors import InvalidInput
 from app.exercises.models import TemplateVersion
 from app.exercises.schemas import TemplateVersionDetail, TemplateVersionIn
@@ -32,6 +33,7 @@ def draw(
         raise InvalidInput(say("template.no_base"), field="based_on")
     recorded = template_from_bytes(base.content)
     check_rules(wanted.design, apply_design(recorded, wanted.design))
+    check_weights(wanted.design, recorded)
     version = TemplateVersion(
         source_session_id=base.source_session_id,
         source_result_id=base.source_result_id,

@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.design.shown import version_detail
+from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, repetition_out
 from app.assessment.sources import Source, load_source
 from app.errors import InvalidInput
@@ -185,6 +186,7 @@ def content_of(built: Built) -> TemplateContent:
         duration_s=built.template.duration_s,
         repetitions=[repetition_out(repetition) for repetition in built.repetitions],
         curves=phase_curves_out(built.template, built.curves),
+        measures=offered_measures(built.template),
     )
 
 

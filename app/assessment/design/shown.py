@@ -9,6 +9,7 @@ from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.design.compiled import design_of, drawn_template
 from app.assessment.design.rules import side_of, whole_design
+from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
 from app.assessment.sources import load_source
 from app.errors import InvalidInput, NotAllowed, NotFound
@@ -75,6 +76,7 @@ def detail_of(
         repetitions=[repetition_out(repetition) for repetition in repetitions],
         phases=phases_out(stored),
         curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
+        measures=offered_measures(stored),
     )
     return version_detail(session, template, version, content)
 

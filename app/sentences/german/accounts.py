@@ -299,6 +299,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " verschieben Sie die Grenze, die über einer anderen liegt.",
     "design.stop": "Halteregel {number} kann nicht gelten; geben Sie ihr einen Winkel der Vorlage und eine"
     " Grenze über null.",
+    "design.weight": "Teil {number} der Summe kann nicht gelten; wählen Sie eine der angebotenen Messgrößen, jede"
+    " einmal, und ein anderes Gewicht als null.",
     "device.code_refused": "Dieser Kopplungscode ist falsch, wurde schon benutzt oder ist älter als zehn"
     " Minuten; erstellen Sie einen neuen.",
     "device.no_open_session": "Für diese Person ist keine Sitzung offen. Erstellen Sie eine, und fragen Sie dann"

@@ -389,6 +389,45 @@ def test_what_the_therapist_draws_decides_what_is_outside(
     assert curve["high"][40] - curve["mean"][40] == pytest.approx(3.0 * curve["width"][40], abs=1e-3)
 
 
+def test_a_sum_is_what_the_therapist_weighed_with_all_its_parts(
+    therapist: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any]
+) -> None:
+    weights = [{"measure": MAIN, "weight": 0.5}, {"measure": "timing_deviation", "weight": -2.0}]
+    drawn = therapist.post(
+        f"/api/templates/{template_version['template_id']}/versions",
+        json={"based_on": template_version["id"], "design": {"weights": weights}, "reason": "sum"},
+    ).json()
+    assert drawn["design"]["weights"] == weights
+    session_id = store(patients, "therapist")
+
+    def detail(version_id: str) -> dict[str, Any]:
+        body = {"template_version_id": version_id}
+        made = therapist.post(f"/api/sessions/{session_id}/comparisons", json=body).json()
+        return therapist.get(f"/api/comparisons/{made['id']}").json()
+
+    assert detail(template_version["id"])["weighted_sum"] is None, "the version before weighs nothing"
+    compared = detail(drawn["id"])
+    found = compared["weighted_sum"]
+    rows = [
+        {one["measure"]: one["value"] for one in each["measures"]}
+        for each in compared["repetitions"]
+        if each["repetition"]["is_kept"]
+    ]
+    sums = [0.5 * row[MAIN] - 2.0 * row["timing_deviation"] for row in rows]
+    assert found["count"] == len(sums) == 4
+    assert found["value"] == pytest.approx(np.mean(sums))
+    assert found["uncertainty"] == pytest.approx(np.std(sums, ddof=1))
+    assert found["value"] == pytest.approx(sum(one["part"] for one in found["parts"]))
+    summary = {one["measure"]: one for one in compared["summary"]}
+    for part, weight in zip(found["parts"], weights, strict=True):
+        own = summary[weight["measure"]]
+        assert (part["label"], part["unit"], part["weight"]) == (own["label"], own["unit"], weight["weight"])
+        assert part["value"] == pytest.approx(own["value"])
+        assert part["template_value"] == own["template_value"]
+    # Uneven timing is measured against the template: of its own it has none.
+    assert found["template_value"] is None
+
+
 def test_progress_takes_up_the_comparison(
     therapist: Any, world: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any]
 ) -> None:

@@ -2653,6 +2653,7 @@ export interface components {
             template_name: string;
             /** Template Version Id */
             template_version_id: string;
+            weighted_sum?: components["schemas"]["WeightedSum"] | null;
         };
         /**
          * ComparisonIn
@@ -5489,6 +5490,8 @@ export interface components {
             curves: components["schemas"]["PhaseCurve"][];
             /** Duration S */
             duration_s: number;
+            /** Measures */
+            measures?: components["schemas"]["TemplateMeasure"][];
             /** Movement Onset Phases */
             movement_onset_phases?: number[];
             /** Phases */
@@ -5531,6 +5534,8 @@ export interface components {
             valid_share?: number;
             /** Watched */
             watched?: string[];
+            /** Weights */
+            weights?: components["schemas"]["WeightDesign"][];
         };
         /**
          * TemplateIn
@@ -5555,6 +5560,20 @@ export interface components {
             tolerance_scale?: {
                 [key: string]: number;
             };
+        };
+        /**
+         * TemplateMeasure
+         * @description A measure that a repetition beside this template has.
+         */
+        TemplateMeasure: {
+            /** Label */
+            label: string;
+            /** Measure */
+            measure: string;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number | null;
         };
         /**
          * TemplateOut
@@ -5934,6 +5953,54 @@ export interface components {
             turn_count: number;
             /** Turn S */
             turn_s: number | null;
+        };
+        /**
+         * WeightDesign
+         * @description One part of the therapist's weighted sum of measures.
+         */
+        WeightDesign: {
+            /** Measure */
+            measure: string;
+            /** Weight */
+            weight: number;
+        };
+        /**
+         * WeightedPart
+         * @description One part of a weighted sum: a measure times its weight.
+         */
+        WeightedPart: {
+            /** Label */
+            label: string;
+            /** Measure */
+            measure: string;
+            /** Part */
+            part: number | null;
+            /** Template Part */
+            template_part: number | null;
+            /** Template Value */
+            template_value: number | null;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number | null;
+            /** Weight */
+            weight: number;
+        };
+        /**
+         * WeightedSum
+         * @description What the therapist weighed on the template: the sum and all that it is made of.
+         */
+        WeightedSum: {
+            /** Count */
+            count: number;
+            /** Parts */
+            parts: components["schemas"]["WeightedPart"][];
+            /** Template Value */
+            template_value: number | null;
+            /** Uncertainty */
+            uncertainty: number | null;
+            /** Value */
+            value: number | null;
         };
     };
     responses: {

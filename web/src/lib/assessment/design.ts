@@ -1,5 +1,5 @@
 // What a therapist draws on a template while it is being drawn: one band a phase and curve, written as knots when it is saved.
-import type { CueDesign, KnotDesign, PhaseCurve, StopDesign, TemplateDesign } from '../../api/types';
+import type { CueDesign, KnotDesign, PhaseCurve, StopDesign, TemplateDesign, WeightDesign } from '../../api/types';
 
 /** How far below and above its curve a phase lets a channel go, times the recorded width; null is free. */
 export interface Band {
@@ -26,6 +26,8 @@ export interface Draft {
   cues: CueDesign[];
   validShare: number;
   pace: NonNullable<TemplateDesign['pace']>;
+  /** Parts of the weighted sum; empty: there is none. */
+  weights: WeightDesign[];
 }
 
 export const NARROWEST = 0.2;
@@ -126,6 +128,7 @@ export function draftOf(design: TemplateDesign): Draft {
     cues: design.cues ?? [],
     validShare: design.valid_share ?? 0.8,
     pace: design.pace ?? {},
+    weights: design.weights ?? [],
   };
 }
 
@@ -162,6 +165,7 @@ export function designOf(draft: Draft): TemplateDesign {
     cues: draft.cues,
     valid_share: draft.validShare,
     pace: draft.pace,
+    weights: draft.weights.filter((one) => one.weight !== 0),
   };
 }
 

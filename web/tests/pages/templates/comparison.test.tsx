@@ -51,6 +51,34 @@ const open = () =>
               note: UNDEFINED,
             }),
           ],
+          weighted_sum: {
+            value: 71.25,
+            uncertainty: 4.5,
+            count: 3,
+            template_value: 78.5,
+            parts: [
+              {
+                measure: 'range:a',
+                label: 'Elbow flexion, range of motion',
+                unit: 'deg',
+                weight: 1.5,
+                value: 50,
+                part: 75,
+                template_value: 54,
+                template_part: 81,
+              },
+              {
+                measure: 'duration',
+                label: 'Duration',
+                unit: 's',
+                weight: -1.25,
+                value: 3,
+                part: -3.75,
+                template_value: 2,
+                template_part: -2.5,
+              },
+            ],
+          },
           other_side: [
             {
               measure: 'range:a',
@@ -79,6 +107,15 @@ describe('the measures of a comparison', () => {
     expect(row.getByText('The affected side is 20 % ± 2 less (symmetry angle −7.0 %)')).toBeTruthy();
     expect(row.getByText('40°')).toBeTruthy();
     expect(row.getByText(/50°/)).toBeTruthy();
+  });
+
+  it('are summed as the therapist weighed them, with every part in sight', () => {
+    open();
+    const table = within(screen.getByRole('table', { name: 'Weighted sum' }));
+    const text = (name: RegExp) => table.getByRole('row', { name }).textContent;
+    expect(text(/Elbow flexion/)).toBe('Elbow flexion, range of motion50° · template: 54°× 1.575.00');
+    expect(text(/Duration/)).toBe('Duration3.0 s · template: 2.0 s× −1.25−3.75');
+    expect(text(/^Sum/)).toBe('Sumtemplate: 78.5071.25 ± 4.50 (mean of 3)');
   });
 
   it('have unit, uncertainty and count, and say why one is undefined', async () => {

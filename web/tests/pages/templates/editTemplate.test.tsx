@@ -51,6 +51,10 @@ const version: TemplateVersionDetail = {
     repetitions: [{ number: 1, start_s: 0, end_s: 3, is_kept: true, reason: '', sentences: {} }],
     curves: [curve(MAIN, 'Elbow flexion', 60), curve(LEAN, 'Trunk forward lean', 8)],
     movement_onset_phases: [],
+    measures: [
+      { measure: `range:${MAIN}`, label: 'Elbow flexion, range of motion', unit: 'deg', value: 60 },
+      { measure: 'duration', label: 'Duration', unit: 's', value: 3 },
+    ],
   },
 };
 const open = () =>
@@ -103,6 +107,28 @@ it('draws a band on one phase with keys alone', async () => {
   expect(design.tolerances).toHaveLength(1);
   expect(design.tolerances?.[0]?.channel).toBe(LEAN);
   expect(design.tolerances?.[0]?.knots.map((one) => one.above)).toEqual([0.7, 0.7, 1, 1, 1, 1]);
+});
+
+it('weighs what the therapist weighs, and nothing else', async () => {
+  const view = open();
+  const add = await screen.findByRole('button', { name: 'Add a measure' });
+  await userEvent.click(add);
+  expect(screen.getByText('template: 60°')).toBeTruthy();
+  await userEvent.click(add);
+  // Each measure once: there are no more than these.
+  expect(screen.queryByRole('button', { name: 'Add a measure' })).toBeNull();
+  const weight = screen.getByRole('textbox', { name: 'Weight, for each s' });
+  await userEvent.clear(weight);
+  await userEvent.type(weight, '-2.5');
+  const other = screen.getByRole('textbox', { name: 'Weight, for each °' });
+  await userEvent.clear(other);
+  await userEvent.type(other, '0');
+  expect(screen.getByText('Zero counts nothing and is not saved.')).toBeTruthy();
+  const { violations } = await axe.run(document.body, {
+    rules: { 'color-contrast': { enabled: false }, region: { enabled: false } },
+  });
+  expect(violations.map((one) => one.id)).toEqual([]);
+  expect((await saved(view)).weights).toEqual([{ measure: 'duration', weight: -2.5 }]);
 });
 
 /** jsdom has no pointer events with places. */

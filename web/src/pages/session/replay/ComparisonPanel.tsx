@@ -12,6 +12,7 @@ import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
 import { outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
+import { WeightedSum } from './WeightedSum';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;
@@ -280,6 +281,7 @@ export function ComparisonPanel({
           </Button>
         </div>
       )}
+      {comparison.weighted_sum && <WeightedSum sum={comparison.weighted_sum} />}
       <details className="as-table">
         <summary>{t('compare.summary')}</summary>
         <Measures measures={comparison.summary} />

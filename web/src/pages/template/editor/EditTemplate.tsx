@@ -27,6 +27,7 @@ import { CueRules } from './CueRules';
 import { CurveList } from './CurveList';
 import { PhaseTable } from './PhaseTable';
 import { StopRules } from './StopRules';
+import { Weights } from './Weights';
 
 function suggested(draft: Draft, mean: readonly (number | null)[]): Draft {
   const borders = suggestedBorders(mean);
@@ -157,6 +158,11 @@ function Editor({
         onChange={(stops) => setDraft((now) => ({ ...now, stops }))}
       />
       <CueRules draft={draft} curves={angles} onChange={(change) => setDraft((now) => ({ ...now, ...change }))} />
+      <Weights
+        weights={draft.weights}
+        measures={version.content.measures ?? []}
+        onChange={(weights) => setDraft((now) => ({ ...now, weights }))}
+      />
       <form
         className="card stack"
         aria-labelledby="save"

@@ -1,0 +1,60 @@
+// The sum that the therapist defined on the template, with every part of it: no number that hides what it is made of.
+import type { WeightedSum as Sum } from '../../../api/types';
+import { t } from '../../../i18n';
+import { number, plainTick, quantity, uncertain } from '../../../lib/format';
+
+const DIGITS = 2;
+/** Weights are shown as they were typed. */
+const WEIGHT_DIGITS = 3;
+
+export function WeightedSum({ sum }: { sum: Sum }) {
+  return (
+    <section className="stack" aria-labelledby="weighted-sum">
+      <h3 id="weighted-sum">{t('compare.sum')}</h3>
+      <p className="muted small">{t('compare.sumLead')}</p>
+      <table className="plain-table measures weighted">
+        <caption className="visually-hidden">{t('compare.sum')}</caption>
+        <thead>
+          <tr>
+            <th scope="col">{t('compare.measure')}</th>
+            <th scope="col">{t('compare.weight')}</th>
+            <th scope="col">{t('compare.part')}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {sum.parts.map((one) => (
+            <tr key={one.measure}>
+              <th scope="row">
+                {one.label}
+                <span className="measure-note muted small">
+                  {quantity(one.value, one.unit)}
+                  {one.template_value !== null &&
+                    ` · ${t('design.weightTemplate', { value: quantity(one.template_value, one.unit) })}`}
+                </span>
+              </th>
+              <td className="number">× {plainTick(one.weight, WEIGHT_DIGITS)}</td>
+              <td className="number">{number(one.part, DIGITS)}</td>
+            </tr>
+          ))}
+        </tbody>
+        <tfoot>
+          <tr>
+            <th scope="row" colSpan={2}>
+              {t('compare.sumOf')}
+              {sum.template_value !== null && (
+                <span className="measure-note muted small">
+                  {t('design.weightTemplate', { value: number(sum.template_value, DIGITS) })}
+                </span>
+              )}
+            </th>
+            <td className="number strong">
+              {uncertain(sum.value, sum.uncertainty, '1')}{' '}
+              {sum.count > 0 && <span className="muted small">{t('compare.count', { count: sum.count })}</span>}
+            </td>
+          </tr>
+        </tfoot>
+      </table>
+      {sum.value === null && <p className="muted small">{t('compare.sumMissing')}</p>}
+    </section>
+  );
+}
