@@ -91,7 +91,7 @@ def main() -> int:
     """Print the table; return 1 when something that is required is missed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sessions", type=int, default=50)
-    parser.add_argument("--seconds", type=float, default=30.0, help="measured time, after 5 s of warming up")
+    parser.add_argument("--seconds", type=float, default=30.0, help="measured time, after 10 s of warming up")
     parser.add_argument("--minutes", type=float, help="measured time instead of --seconds")
     parser.add_argument("--mix", action="store_true", help="arms, walks with forces and magnetic sessions")
     parser.add_argument("--scale", type=float, default=1.0, help="times the sessions of --mix")
