@@ -130,6 +130,31 @@ class Aligner:
         if self._unpacker is not None:
             self._unpacker.own(self.clip_levels)
 
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return copies of what the next packet depends on; only while `is_in_order`."""
+        assert self._unpacker is not None
+        assert not self._waiting
+        numbers = (self._next_sequence, self._released_end_us, self._next_tick, self._rows_known)
+        return {
+            "numbers": np.array((*numbers, self.carried_mask, self._unpacker.channel_count), dtype=np.int64),
+            "last_position": np.array(self._last_position),
+            "rows": self._rows.copy(),
+            "clip_levels": self.clip_levels.copy(),
+            **{f"carried.{name}": values.copy() for name, values in self._last_carried.items()},
+            **{f"unpacker.{name}": values for name, values in self._unpacker.state().items()},
+        }
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on where the instance that gave `state` stood; before the first packet only."""
+        numbers = [int(one) for one in state["numbers"]]
+        self._next_sequence, self._released_end_us, self._next_tick, self._rows_known = numbers[:4]
+        self.carried_mask, channels = numbers[4:]
+        self._last_position, self._rows = float(state["last_position"]), state["rows"].copy()
+        self.clip_levels[...] = state["clip_levels"]
+        self._last_carried = _below(state, "carried.") or _NOTHING
+        self._unpacker = Unpacker(self._declaration, channels == 3, self.clip_levels)
+        self._unpacker.restore(_below(state, "unpacker."))
+
     def fill(self, x: Any) -> None:
         """Write into a record of `SLOT` what the next packet in order must fit."""
         assert self._unpacker is not None
@@ -366,6 +391,12 @@ class Aligner:
         """Return the last value that was sent, shape (S, 1, ...)."""
         resting = np.full_like(values[:, :1], _CARRIED[name].resting)
         return self._last_carried.get(name, resting)
+
+
+def _below(state: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    return {
+        name.removeprefix(prefix): values.copy() for name, values in state.items() if name.startswith(prefix)
+    }
 
 
 def _last(carried: dict[str, Float]) -> dict[str, Float]:

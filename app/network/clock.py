@@ -207,6 +207,15 @@ class PacketClock:
             slot = number % _REMEMBERED
             sequences[slot], times[slot] = number, time_us
 
+    def state(self) -> tuple[int, int, int]:
+        """Return sequence, session time and duration of the newest packet, us."""
+        return self._highest, self._highest_time_us, self._highest_duration_us
+
+    def restore(self, state: tuple[int, int, int]) -> None:
+        """Go on behind a packet, as `state` gave it; earlier ones that come again are known to the store only."""
+        self._highest, self._highest_time_us, self._highest_duration_us = state
+        self._remember(self._highest, self._highest_time_us)
+
     def fill(self, x: Any) -> None:
         """Write into a record of `SLOT` what the next packet in order must fit; there must be an epoch."""
         epoch = self.declaration.clock_epochs[-1]

@@ -1,5 +1,6 @@
 """One packet's values to SI signals with their quality: scales, clip levels and sensors that gave nothing."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,22 @@ class Unpacker:
         for cell in self._last_values:
             last[...], same_ticks[...] = self._last_values[cell], self._same_values[cell]
             self._last_values[cell], self._same_values[cell] = last, same_ticks
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return copies of what the next packet depends on."""
+        cells: dict[str, NDArray[Any]] = {
+            f"last.{cell}": values.copy() for cell, values in self._last_values.items()
+        }
+        cells |= {f"same.{cell}": ticks.copy() for cell, ticks in self._same_values.items()}
+        return {"last_sent": self._last_sent.copy(), "same_ticks": self._same_ticks.copy(), **cells}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on where the instance that gave `state` stood."""
+        self._last_sent, self._same_ticks = state["last_sent"].copy(), state["same_ticks"].copy()
+        for name, values in state.items():
+            part, _, cell = name.partition(".")
+            if cell:
+                (self._last_values if part == "last" else self._same_values)[cell] = values.copy()
 
     def fill(self, x: Any, carried: tuple[ChannelSpec, ...]) -> None:
         """Write into a record of `SLOT` how packets are unpacked that carry these channels beside motion."""

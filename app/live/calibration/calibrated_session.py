@@ -70,6 +70,11 @@ class CalibratedSession(SessionBook):
         """The newest message of a guided calibration."""
         return self._calibration.message
 
+    @property
+    def is_calibrating(self) -> bool:
+        """Whether a calibration is under way."""
+        return self._calibration.is_active
+
     def start_calibration(self, wanted: CalibrationIn) -> CalibrationMessage:
         """Begin a guided calibration.
 

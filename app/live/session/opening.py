@@ -12,6 +12,7 @@ from app.live.bus import Bus
 from app.live.calibration.device_rows import with_known_devices
 from app.live.checks.plausibility import CheckProcess
 from app.live.guidance.opening import guide_session
+from app.live.session.checkpoint import Checkpoint
 from app.live.session.rebuild import rebuild
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
@@ -39,6 +40,8 @@ class Opener:
         Of the place, see `FirstSeconds`.
     check : CheckProcess
         Where the first seconds are checked.
+    checkpoint : callable(session_id), optional
+        Reads where a session stood that moves from another machine; without, it is taken up as after a restart.
     """
 
     engine: Engine
@@ -46,6 +49,7 @@ class Opener:
     bus: Bus
     hemisphere: Hemisphere
     check: CheckProcess
+    checkpoint: Callable[[str], Checkpoint | None] | None = None
 
     async def open(
         self, session_id: str, declaration: Declaration, prepared: Callable[[SessionSetup], Awaitable[None]]
@@ -107,11 +111,16 @@ class Opener:
         )
         session.ledger.received = session.ledger.durable.copy()
         if len(session.ledger.durable):
-            trouble = await asyncio.to_thread(rebuild, session, self.engine)
+            trouble = await asyncio.to_thread(self._rebuild, session)
             if trouble is not None:
                 session.line.stop(trouble)
         await asyncio.to_thread(guide_session, session, self.engine, self.bus)
         return session
+
+    def _rebuild(self, session: LiveSession) -> Exception | None:
+        if self.checkpoint is None:
+            return rebuild(session, self.engine)
+        return rebuild(session, self.engine, self.checkpoint(session.id), is_exact=True)
 
 
 def check_network(known: Declaration, declared: Declaration) -> None:

@@ -3,6 +3,9 @@
 With magnetometers the last minute is enough: orientation converges within it. Without them heading is what
 was integrated since calibration, so the whole session runs again. Clip levels that the check of the session
 found are in force again from the packets on from which they were.
+
+On many machines a session moves while somebody watches, and no bit may differ: it goes on from its checkpoint, and
+where there is none that fits, its packets are estimated again from the first.
 """
 
 from collections import deque
@@ -10,6 +13,7 @@ from collections import deque
 from sqlalchemy import Engine
 
 from app.errors import PacketError
+from app.live.session.checkpoint import Checkpoint, resume
 from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import Admitted
@@ -23,7 +27,9 @@ TAIL_S = 60.0
 PIECE_TICKS = 250
 
 
-def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
+def rebuild(
+    session: LiveSession, engine: Engine, checkpoint: Checkpoint | None = None, *, is_exact: bool = False
+) -> Exception | None:
     """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
 
     Parameters
@@ -31,6 +37,10 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
     session : LiveSession
         Not yet given to anybody; open at the writer.
     engine : Engine
+    checkpoint : Checkpoint, optional
+        Where the session stood; one that does not fit is left.
+    is_exact : bool
+        Begin with the first packet where there is no checkpoint, also when the last minute would do.
 
     Returns
     -------
@@ -38,10 +48,12 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
         Why the estimation cannot go on, for `EstimationLine.stop` on the event loop; storing can.
     """
     tail: deque[tuple[Packet, Admitted]] = deque()
-    is_whole = not session.pipeline.begins_anywhere
+    is_resumed = resume(session, checkpoint)
+    first = checkpoint.sequence if is_resumed and checkpoint is not None else 0
+    is_whole = is_exact or is_resumed or not session.pipeline.begins_anywhere
     again = _Again(session)
     try:
-        for raw in read_packets_in_order(engine, session.id):
+        for raw in read_packets_in_order(engine, session.id, first):
             packet = decoded(raw)
             place = _admitted(session, packet)
             if place is None:

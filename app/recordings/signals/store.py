@@ -47,8 +47,8 @@ def read_packets(source: Source, session_id: str) -> Iterator[RawPacket]:
         yield from _read_chunk(source, session_id, number)
 
 
-def read_packets_in_order(source: Source, session_id: str) -> Iterator[RawPacket]:
-    """Yield every stored packet of a session by rising sequence, whatever the order of arrival.
+def read_packets_in_order(source: Source, session_id: str, first: int = 0) -> Iterator[RawPacket]:
+    """Yield every stored packet of a session from a sequence on, by rising sequence, whatever the order of arrival.
 
     Holds only the chunks that overlap in sequence: those of a late back-fill, not the whole session.
     """
@@ -58,13 +58,18 @@ def read_packets_in_order(source: Source, session_id: str) -> Iterator[RawPacket
             SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
         ),
     )
-    chunks = sorted((min(start for start, _ in scale["ranges"]), number) for number, scale in keys)
+    chunks = sorted(
+        (min(start for start, _ in scale["ranges"]), number)
+        for number, scale in keys
+        if max(stop for _, stop in scale["ranges"]) > first
+    )
     held: list[tuple[int, int, RawPacket]] = []
     for lowest, number in chunks:
         while held and held[0][0] < lowest:
             yield heappop(held)[2]
         for place, packet in enumerate(_read_chunk(source, session_id, number)):
-            heappush(held, (packet.sequence, place, packet))
+            if packet.sequence >= first:
+                heappush(held, (packet.sequence, place, packet))
     while held:
         yield heappop(held)[2]
 
