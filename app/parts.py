@@ -123,6 +123,8 @@ class _WorkerOpening:
         warmth = Warmth()
         await warmth.begin()
         stack.callback(warmth.end)
+        # Whoever takes a dead worker's sessions must show them at once.
+        await warmth.usual_ready()
         prepare_process()
         shared = OfWorker(settings=settings, limits=services.limits, readiness=warmth)
         stack.push_async_callback(partial(to_thread.run_sync, shared.check.close))
@@ -161,6 +163,10 @@ def _observe_worker(services: Services, worker: Worker, shared: OfWorker) -> Reg
             "stream_waiting": (
                 "Messages of the streams that are not read yet.",
                 lambda: sum(one.waiting for one in worker.partitions.values()),
+            ),
+            "late_packets": (
+                "Packets that came out of the streams after their session was closed.",
+                lambda: shared.late_packets,
             ),
             "live_busy": (
                 "Share of a processor that the thread of live sessions uses.",

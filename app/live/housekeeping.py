@@ -61,6 +61,8 @@ class Housekeeping:
         self._goodbye_close_s = goodbye_close_s
         self._longest_s = longest_s
         self._abandoned_s: dict[str, float] = {}
+        self.is_behind: Callable[[], bool] = lambda: False
+        """Whether packets that have arrived are still to be read: then nobody is silent."""
 
     def abandoned(self, session_id: str) -> None:
         """Note a session that was open when the service stopped; its gateway may come back."""
@@ -93,7 +95,7 @@ class Housekeeping:
         if turn % SETTLE_EVERY_TURNS == 0:
             # What follows sees the session as it was last settled: twice a second is often enough.
             session.settle()
-        silence_s = time.monotonic() - session.last_arrival_s
+        silence_s = 0.0 if self.is_behind() else time.monotonic() - session.last_arrival_s
         ledger = session.now.ledger
         if silence_s > REORDER_PATIENCE_S:
             session.silent()

@@ -28,6 +28,7 @@ from app.live.patience import Patience
 from app.live.session.intake import Intake
 from app.live.session.opening import Opener, check_network
 from app.live.session.runner import LiveSession
+from app.live.session.saver import until_written
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.side import SteeredSide
@@ -377,8 +378,8 @@ class LiveManager(SteeredSide):
             if session is not None:
                 await session.finish()
             else:
-                await asyncio.to_thread(repository.end_abandoned, self.engine, session_id)
-            await asyncio.to_thread(self._on_closed, session_id)
+                await until_written(partial(repository.end_abandoned, self.engine, session_id))
+            await until_written(partial(self._on_closed, session_id))
         except Exception as error:
             # Whatever it was, the session must not stay `closing` for ever: what is stored can be analysed.
             logger.exception("session %s could not be closed", session_id)

@@ -116,6 +116,11 @@ class Readiness:
         self._others = asyncio.create_task(self._one_by_one(), name="warm up")
         await asyncio.wait([first], timeout=PATIENCE_S)
 
+    async def usual_ready(self) -> None:
+        """Return when sessions of the usual kinds can be opened at once."""
+        if self._others is not None:
+            await asyncio.wait([self._others])
+
     def end(self) -> None:
         """Wait for nothing any more."""
         for task in (self._others, *self._kinds.values()):

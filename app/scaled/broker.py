@@ -1,8 +1,10 @@
 """The connection to NATS: streams, one a partition, and the bucket of leases."""
 
+import asyncio
 import contextlib
 import logging
 import ssl
+from collections.abc import Callable
 from typing import Any, Final
 
 import nats
@@ -39,6 +41,7 @@ class Broker:
         self.streams: JetStreamContext = client.jetstream()
         self._settings = settings
         self.leases: KeyValue
+        self._on_back: list[Callable[[], None]] = []
 
     async def prepare(self) -> None:
         """Make streams and bucket where they are not there yet."""
@@ -61,9 +64,25 @@ class Broker:
                 if error.err_code != _IN_USE:
                     raise
                 await self.streams.update_stream(config)
-        self.leases = await self.streams.create_key_value(
+        # What is not answered within half the length of a lease is tried anew, not waited for.
+        quick = self.client.jetstream(timeout=max(0.5, self._settings.lease_seconds / 2.0))
+        self.leases = await quick.create_key_value(
             KeyValueConfig(bucket=BUCKET, history=1, replicas=self._settings.stream_replicas)
         )
+
+    def on_back(self, call: Callable[[], None]) -> Callable[[], None]:
+        """Have a function called whenever the connection is there again; returns what ends that.
+
+        A server that was started again has lost what lives in its memory: consumers, subscriptions of others, answers.
+        """
+        self._on_back.append(call)
+        return lambda: self._on_back.remove(call)
+
+    async def back(self) -> None:
+        """Note that the connection is there again."""
+        logger.warning("NATS is there again")
+        for call in list(self._on_back):
+            call()
 
     def trouble(self) -> str | None:
         """Return in words why the broker cannot be used; None while it can."""
@@ -108,6 +127,12 @@ async def connect(settings: Settings, name: str) -> Broker:
         options["user_credentials"] = str(settings.nats_credentials)
     if settings.nats_ca is not None:
         options["tls"] = ssl.create_default_context(cafile=str(settings.nats_ca))
+    found: asyncio.Future[Broker] = asyncio.get_running_loop().create_future()
+
+    async def back() -> None:
+        if found.done():
+            await found.result().back()
+
     try:
         client = await nats.connect(
             settings.nats_url.get_secret_value().split(","),
@@ -118,6 +143,7 @@ async def connect(settings: Settings, name: str) -> Broker:
             ping_interval=5,
             pending_size=32 << 20,
             error_cb=_broken,
+            reconnected_cb=back,
             **options,
         )
     except (OSError, nats.errors.Error) as error:
@@ -125,4 +151,5 @@ async def connect(settings: Settings, name: str) -> Broker:
         raise InvalidInput(say("scaled.no_broker", reason=reason)) from error
     broker = Broker(client, settings)
     await broker.prepare()
+    found.set_result(broker)
     return broker

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from sqlalchemy import Connection, Engine, event, select, text, update
+from sqlalchemy import Connection, Engine, event, select, text
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.exc import OperationalError
 
@@ -114,21 +114,4 @@ def _end_transactions(engine: Engine, partition: int, holder: str) -> None:
             )
 
 
-def save_position(engine: Engine, partition: int, position: int) -> None:
-    """Note that everything of the stream up to a position is stored.
-
-    Parameters
-    ----------
-    engine : Engine
-        Fenced.
-    partition, position : int
-    """
-    with engine.begin() as connection:
-        connection.execute(
-            update(_TABLE)
-            .where(_TABLE.c.partition == partition)
-            .values(position=position, updated_at=utc_now())
-        )
-
-
-__all__ = ["Fence", "FencedError", "fenced", "install", "save_position", "take_over"]
+__all__ = ["Fence", "FencedError", "fenced", "install", "take_over"]

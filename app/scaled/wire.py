@@ -2,7 +2,7 @@
 
 Everything is MessagePack of typed records; a record of an unknown kind is refused. Subjects begin with `telemotion`:
 `in.P` is the stream of partition P, `ask.P` are requests to whoever holds it, `here.P` says what an edge wants of it,
-`taken.P` that somebody has taken it, and `to.EDGE` is all that an edge receives.
+`taken.P` that somebody has taken it, `to.EDGE` is all that an edge receives, `alive.WORKER` is answered by a worker.
 """
 
 from dataclasses import fields
@@ -38,7 +38,7 @@ def partition_of(session_id: str, partitions: int) -> int:
 
 
 def subject(name: str, of: int | str) -> str:
-    """Return a subject of a partition or an edge: `in`, `ask`, `here`, `taken` or `to`."""
+    """Return a subject of a partition, an edge or a worker: `in`, `ask`, `here`, `taken`, `to` or `alive`."""
     return f"{ROOT}.{name}.{of}"
 
 
@@ -82,7 +82,14 @@ class LeftEntry(msgspec.Struct, array_like=True, tag=4):
     connection: str
 
 
-Entry = PacketEntry | HelloEntry | GivenUpEntry | GoodbyeEntry | LeftEntry
+class StoppedEntry(msgspec.Struct, array_like=True, tag=5):
+    """Nothing more of a connection is taken, because its session is being closed: what was, lies before this."""
+
+    session_id: str
+    connection: str
+
+
+Entry = PacketEntry | HelloEntry | GivenUpEntry | GoodbyeEntry | LeftEntry | StoppedEntry
 
 
 class Published(msgspec.Struct, array_like=True, tag=0):
@@ -99,7 +106,7 @@ class Report(msgspec.Struct, array_like=True, tag=1):
     state: str
     is_finished: bool = False
     received: list[tuple[int, int]] | None = None
-    """What of the session is here, once after a hello."""
+    """What of the session is here, for some time after a hello."""
     messages: list[str] = []
     """JSON for the gateway: orders, errors."""
     error: bytes | None = None

@@ -19,7 +19,7 @@ from tests.benchmarks.service import PASSWORD as PASSWORD
 from tests.benchmarks.service import ROOT, add_clinic, add_patient, compile_usual, environment_of
 
 SERVER = shutil.which("nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-PATIENCE_S = 120.0
+PATIENCE_S = 300.0
 
 
 class Cluster:
@@ -120,6 +120,12 @@ class Cluster:
     def log(self, name: str) -> str:
         """Return the end of what a process wrote."""
         return (self.folder / f"{name}.log").read_text(errors="replace")[-8000:]
+
+    def keep_logs(self, folder: Path) -> None:
+        """Copy what the processes wrote to a folder."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for log in self.folder.glob("*.log"):
+            shutil.copy(log, folder / log.name)
 
     def close(self) -> None:
         """End every process."""

@@ -9,7 +9,8 @@ from sqlalchemy.exc import OperationalError
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.scaled import fencing
-from app.scaled.fencing import Fence, FencedError, fenced, save_position, take_over
+from app.scaled.checkpoints import save
+from app.scaled.fencing import Fence, FencedError, fenced, take_over
 
 pytestmark = pytest.mark.postgres
 
@@ -44,19 +45,19 @@ def test_an_earlier_holder_is_refused_and_its_write_is_not_there(named: Callable
     refusals: list[str] = []
     first, second = named("first"), named("second")
     of_first = held(first, "first", refusals)
-    save_position(of_first, PARTITION, 10)
+    save(of_first, PARTITION, 10, {})
     of_second = held(second, "second", refusals)
     with pytest.raises(FencedError):
-        save_position(of_first, PARTITION, 11)
+        save(of_first, PARTITION, 11, {})
     assert refusals == ["first"]
-    save_position(of_second, PARTITION, 20)
+    save(of_second, PARTITION, 20, {})
     with second.connect() as connection:
         assert connection.scalar(POSITION) == 20
 
 
 def test_who_takes_over_reads_on_from_what_is_stored(named: Callable[[str], Engine]) -> None:
     first, second = named("first"), named("second")
-    save_position(held(first, "first", []), PARTITION, 10)
+    save(held(first, "first", []), PARTITION, 10, {})
     assert take_over(second, PARTITION, "second") == (2, 10)
 
 

@@ -26,6 +26,7 @@ from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, 
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
 from app.live.session.pooled import PooledSession
+from app.live.session.saver import until_written
 from app.live.session.states import OPEN, STREAMING, streaming_state
 from app.network.declaration import Declaration
 from app.network.packet import Packet, PacketFlag
@@ -396,21 +397,13 @@ class LiveSession(PooledSession):
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))
         await self._saver.saved()
-        await asyncio.to_thread(
-            save_device_constants,
-            self._engine,
-            self.id,
-            self.declaration.serial_of,
-            self.pipeline.device_constants,
-        )
-        await asyncio.to_thread(
-            repository.finish_stream,
-            self._engine,
-            self.id,
-            self.result_id,
-            self.session_time_s,
-            self.ledger.missing_count,
-        )
+        devices = (self.id, self.declaration.serial_of, self.pipeline.device_constants)
+        known = (self.id, self.result_id, self.session_time_s, self.ledger.missing_count)
+        for write in (
+            partial(save_device_constants, self._engine, *devices),
+            partial(repository.finish_stream, self._engine, *known),
+        ):
+            await until_written(write)
         self._writer.close_session(self.id)
 
     def begin_closing(self, reason: str) -> None:

@@ -2,12 +2,47 @@
 
 import asyncio
 import logging
+import time
 from collections import deque
 from collections.abc import Callable
+from typing import Final
+
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from app.errors import TelemotionError
 
 logger = logging.getLogger(__name__)
+
+PATIENCE_S: Final = 60.0
+"""So long a write waits for a database that does not answer; then it is given up, and said."""
+AGAIN_S: Final = 0.5
+
+
+async def until_written(write: Callable[[], None], patience_s: float = PATIENCE_S) -> None:
+    """Write, in a thread; while the database is away, again and again.
+
+    Parameters
+    ----------
+    write : callable()
+        One transaction, so that it can be repeated.
+    patience_s : float
+
+    Raises
+    ------
+    OperationalError
+        The database was away all the time.
+    """
+    until_s = time.monotonic() + patience_s
+    while True:
+        try:
+            await asyncio.to_thread(write)
+            return
+        except (OperationalError, PoolTimeout) as error:
+            if time.monotonic() > until_s:
+                raise
+            logger.warning("a write waits for the database: %s", type(error).__name__)
+        await asyncio.sleep(AGAIN_S)
 
 
 class Saver:
@@ -25,7 +60,7 @@ class Saver:
         self._task: asyncio.Task[None] | None = None
 
     def save(self, write: Callable[[], None]) -> None:
-        """Queue a write; a failure is logged, the next ones still run."""
+        """Queue a write, one transaction; it waits for a database that is away, and the next ones behind it."""
         self._waiting.append(write)
         if self._task is None:
             self._task = asyncio.create_task(self._write_all(), name="save session")
@@ -40,7 +75,7 @@ class Saver:
             while self._waiting:
                 write = self._waiting.popleft()
                 try:
-                    await asyncio.to_thread(write)
+                    await until_written(write)
                 except TelemotionError as error:
                     logger.error("session %s was not saved: %s", self._session_id, error.message)
                 except Exception:

@@ -14,7 +14,15 @@ from app.network.messages import AcknowledgeMessage
 from app.network.packet import Packet
 from app.network.ranges import SequenceRanges
 from app.scaled.edge.outbox import Outbox
-from app.scaled.wire import GivenUpEntry, GoodbyeEntry, LeftEntry, PacketEntry, Report, unpack_error
+from app.scaled.wire import (
+    GivenUpEntry,
+    GoodbyeEntry,
+    LeftEntry,
+    PacketEntry,
+    Report,
+    StoppedEntry,
+    unpack_error,
+)
 from app.sentences import say
 
 _WRAP = 1 << 32
@@ -91,7 +99,11 @@ class EdgeIntake:
 
     def hear(self, report: Report) -> None:
         """Take what the holder of the partition says."""
+        was_open = self.is_open
         self._state, self.is_finished = report.state, self.is_finished or report.is_finished
+        if was_open and not self.is_open:
+            # From here on `receive` takes nothing: whoever closes the session waits for what lies before this.
+            self._outbox.put(StoppedEntry(self.session_id, self.connection))
         if report.received is not None and not self.is_welcome.is_set():
             # All of it came out of the stream, or out of the database.
             self._ledger.received = SequenceRanges(report.received)

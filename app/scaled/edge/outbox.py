@@ -26,7 +26,7 @@ WAITING_BYTES: Final = 16 << 20
 """Of a partition; then gateways are read more slowly."""
 GATHER_S: Final = 0.004
 """What comes within so long goes together."""
-ANSWER_S: Final = 2.0
+ANSWER_S: Final = 1.0
 AGAIN_S: Final = 0.1
 
 Durable = Callable[[], None]

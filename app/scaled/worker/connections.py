@@ -1,6 +1,7 @@
 """The gateways of a partition's sessions: edges hold their connections, and hear from here how their sessions stand."""
 
 import asyncio
+import contextlib
 import time
 from functools import partial
 from typing import Final
@@ -9,7 +10,15 @@ from app.errors import Conflict
 from app.live import repository
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
-from app.scaled.wire import GivenUpEntry, GoodbyeEntry, HelloEntry, LeftEntry, Report, pack_error
+from app.scaled.wire import (
+    GivenUpEntry,
+    GoodbyeEntry,
+    HelloEntry,
+    LeftEntry,
+    Report,
+    StoppedEntry,
+    pack_error,
+)
 from app.scaled.worker.outlet import Outlet
 from app.scaled.worker.senders import Connection
 from app.scaled.worker.sessions import PartitionSessions
@@ -18,6 +27,11 @@ from app.sentences import say
 REPEAT_S: Final = 1.0
 """A report is sent again after so long, for it may be lost."""
 MOST_MESSAGES: Final = 64
+WELCOME_S: Final = 20.0
+"""So long after a hello its edge may still wait to hear what is here."""
+STOP_S: Final = 3.0
+"""In which an edge that lives says that it takes nothing more."""
+STOP_AGAIN_S: Final = 0.3
 
 
 class Connections:
@@ -39,11 +53,10 @@ class Connections:
         if before is not None and before.id != hello.connection:
             error = Conflict(say("live.superseded"), reason="superseded")
             self._outlet.report(before.edge, Report(before.id, session.state, error=pack_error(error)))
-        self._join(session, hello.connection, hello.edge)
+        joined = self._join(session, hello.connection, hello.edge)
         session.connected()
         self._sessions.announce(session)
-        received = list(session.ledger.received)
-        self._outlet.report(hello.edge, Report(hello.connection, session.state, received=received))
+        self._send(joined)
 
     async def adopt(self, edge: str, session_id: str, connection: str) -> None:
         """Take note of a connection that an earlier holder of the partition knew."""
@@ -51,13 +64,14 @@ class Connections:
             return
         session = self._sessions.find(session_id)
         if session is not None:
-            self._join(session, connection, edge)
+            # The answer to its hello may have ended with the earlier holder.
+            self._send(self._join(session, connection, edge))
             return
         stored = await asyncio.to_thread(repository.load, self._sessions.engine, session_id)
         if stored.state not in OPEN:
             self._outlet.report(edge, Report(connection, stored.state, is_finished=True))
 
-    def _join(self, session: LiveSession, connection: str, edge: str) -> None:
+    def _join(self, session: LiveSession, connection: str, edge: str) -> Connection:
         before = self._by_session.pop(session.id, None)
         if before is not None:
             before.end()
@@ -66,6 +80,7 @@ class Connections:
         made = self._by_session[session.id] = Connection(connection, edge, session.id, intake)
         if session.actuation is not None:
             made.orders = asyncio.create_task(self._order(made), name="orders")
+        return made
 
     async def _order(self, connection: Connection) -> None:
         while True:
@@ -73,7 +88,32 @@ class Connections:
             connection.messages.append(order.model_dump_json())
             self._send(connection)
 
-    def take(self, entry: GivenUpEntry | GoodbyeEntry | LeftEntry) -> None:
+    async def stop(self, session_id: str) -> bool:
+        """Have nothing more taken from a session's gateway; return whether all that was taken is read.
+
+        False also where no gateway is connected.
+        """
+        connection = self._by_session.get(session_id)
+        if connection is None:
+            return False
+        connection.is_stopping = True
+        until_s = time.monotonic() + STOP_S
+        while self._by_session.get(session_id) is connection and time.monotonic() < until_s:
+            self._send(connection)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(STOP_AGAIN_S):
+                    await connection.stopped.wait()
+                    return True
+        return False
+
+    def go_on(self, session_id: str) -> None:
+        """Have packets taken again: the session was not closed after all."""
+        connection = self._by_session.get(session_id)
+        if connection is not None:
+            connection.is_stopping = False
+            connection.stopped.clear()
+
+    def take(self, entry: GivenUpEntry | GoodbyeEntry | LeftEntry | StoppedEntry) -> None:
         """Take what a gateway's connection says of itself."""
         session = self._sessions.find(entry.session_id)
         if session is None:
@@ -85,7 +125,10 @@ class Connections:
         if isinstance(entry, GoodbyeEntry):
             session.ledger.last_sequence = entry.last_sequence
         elif connection is not None and connection.id == entry.connection:
-            self._leave(connection)
+            if isinstance(entry, StoppedEntry):
+                connection.stopped.set()
+            else:
+                self._leave(connection)
 
     def _leave(self, connection: Connection) -> None:
         self._by_session.pop(connection.session_id, None)
@@ -121,13 +164,17 @@ class Connections:
                 self._leave(connection)
 
     def _state(self, connection: Connection) -> str:
-        return connection.intake.state
+        return "closing" if connection.is_stopping else connection.intake.state
 
     def _send(self, connection: Connection) -> None:
         messages, connection.messages = connection.messages, []
         connection.reported = (self._state(connection), connection.intake.is_finished)
         connection.reported_s = time.monotonic()
-        self._outlet.report(connection.edge, Report(connection.id, *connection.reported, messages=messages))
+        report = Report(connection.id, *connection.reported, messages=messages)
+        session = self._sessions.find(connection.session_id)
+        if session is not None and connection.reported_s - connection.opened_s < WELCOME_S:
+            report.received = list(session.ledger.received)
+        self._outlet.report(connection.edge, report)
 
     def close(self) -> None:
         """Forget them all; their edges tell the next holder."""

@@ -61,7 +61,11 @@ class Worker(SteeredSide):
         assert self._ask is not None
         refused = partial(self.leases.fenced, partition)
         held = Partition(partition, self._broker, self.engine, self._shared, self._name, refused, self._ask)
-        await held.take()
+        try:
+            await held.take()
+        except BaseException:
+            held.abandon()
+            raise
         self.partitions[partition] = held
 
     async def give_back(self, partition: int) -> None:

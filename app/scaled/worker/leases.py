@@ -2,29 +2,34 @@
 
 A lease is a key that its holder writes anew a few times in its length. Who sees a key unchanged for that length, by the
 own clock, may write it, on condition that it is still the same: of several only one succeeds. Workers write that they
-live in the same way; each wants its share of the partitions, rounded up, and gives one back when it has more.
+live in the same way; each wants its share of the partitions, rounded up, and gives one back when it has more. The keys
+of a worker whose process has ended are deleted by another one (`app.scaled.worker.presence`), and free at once.
 
 A lease only decides who tries. That an earlier holder writes nothing is the database's word, see `app.scaled.fencing`.
 """
 
 import asyncio
+import contextlib
 import logging
 import math
 import time
-from collections.abc import Awaitable, Callable
-from typing import Final, Protocol
+from collections.abc import Awaitable, Callable, Coroutine
+from dataclasses import dataclass, replace
+from typing import Any, Final, Protocol
 
 import nats
 from nats.js.errors import Error as StreamError
-from nats.js.errors import KeyWrongLastSequenceError
+from nats.js.errors import KeyNotFoundError, KeyWrongLastSequenceError
 from nats.js.kv import KeyValue
 
 from app.scaled.broker import Broker
+from app.scaled.worker.presence import Presence
 
 logger = logging.getLogger(__name__)
 
 TURNS: Final = 5
 """In the length of a lease."""
+_WORKER: Final = "worker."
 
 
 class Holder(Protocol):
@@ -38,6 +43,16 @@ class Holder(Protocol):
 
     def lose(self, partition: int) -> None:
         """Stop at once: somebody else holds the partition by now."""
+
+
+@dataclass(frozen=True)
+class _Key:
+    """A key of the bucket, as it was last seen."""
+
+    revision: int
+    since_s: float
+    """Monotonic time at which this revision was first seen."""
+    value: bytes
 
 
 class Leases:
@@ -54,11 +69,17 @@ class Leases:
 
     def __init__(self, broker: Broker, worker: str, holder: Holder, length_s: float) -> None:
         self._broker, self._worker, self._holder, self._length_s = broker, worker, holder, length_s
-        self._seen: dict[str, tuple[int, float]] = {}
-        """Revision of a key, and when it was first seen; by key."""
-        self._held: dict[int, tuple[int, float]] = {}
-        """Revision of an own lease, and when it was written; by partition."""
+        self._seen: dict[str, _Key] = {}
+        self._held: dict[int, int] = {}
+        """Revision of an own lease, by partition."""
+        self._moving: dict[int, asyncio.Task[None]] = {}
+        """Partitions that are just being taken or given back; their leases are renewed meanwhile."""
+        self._leaving: set[int] = set()
+        """Of these, those that are given back."""
         self._tasks: list[asyncio.Task[None]] = []
+        self._changed = asyncio.Event()
+        self._presence = Presence(broker, worker, self._workers_seen, self._reap, length_s)
+        broker.on_back(self._back)
 
     @property
     def held(self) -> list[int]:
@@ -67,9 +88,11 @@ class Leases:
 
     async def start(self) -> None:
         """Begin to take partitions."""
+        await self._presence.answer()
         self._tasks = [
             asyncio.create_task(self._forever(self._watch), name="lease watch"),
             asyncio.create_task(self._forever(self._turns), name="lease turns"),
+            asyncio.create_task(self._forever(self._presence.run), name="lease presence"),
         ]
 
     async def stop(self) -> None:
@@ -77,8 +100,15 @@ class Leases:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        await asyncio.gather(*(self._give_back(one) for one in list(self._held)))
+        await asyncio.gather(*self._moving.values(), return_exceptions=True)
+        # Nobody counts on this one from now on.
         await self._ignoring(self._broker.leases.delete(f"worker.{self._worker}"))
+        await asyncio.gather(*(self._give_back(one) for one in list(self._held)))
+
+    def _back(self) -> None:
+        # What others wrote while the broker was away, or would have written, is awaited anew.
+        now_s = time.monotonic()
+        self._seen = {key: replace(one, since_s=now_s) for key, one in self._seen.items()}
 
     async def _forever(self, work: Callable[[], Awaitable[None]]) -> None:
         while True:
@@ -93,91 +123,156 @@ class Leases:
 
     async def _watch(self) -> None:
         watcher = await self._broker.leases.watchall()
+        # What this worker writes itself comes oftener: silence is the end of the watch.
+        silence_s = 2.0 * self._length_s / TURNS
         try:
             while True:
                 try:
-                    entry: KeyValue.Entry | None = await watcher.updates(timeout=5.0)  # type: ignore[no-untyped-call]
+                    entry: KeyValue.Entry | None = await watcher.updates(timeout=silence_s)  # type: ignore[no-untyped-call]
                 except TimeoutError:
                     return
                 if entry is None:
                     continue
                 if entry.operation in {"DEL", "PURGE"}:
                     self._seen.pop(entry.key, None)
+                    self._changed.set()
                 elif entry.revision is not None:
-                    self._seen[entry.key] = (entry.revision, time.monotonic())
+                    known = self._seen.get(entry.key)
+                    if known is None or known.revision < entry.revision:
+                        self._seen[entry.key] = _Key(entry.revision, time.monotonic(), entry.value or b"")
+                    if known is None and entry.key.startswith(_WORKER):
+                        self._changed.set()
         finally:
             await watcher.stop()  # type: ignore[no-untyped-call]
 
     async def _turns(self) -> None:
-        await self._broker.leases.put(f"worker.{self._worker}", b"")
+        await self._announce()
         # What is there already is seen before anything is judged as old.
         await asyncio.sleep(self._length_s / TURNS)
         while True:
             began_s = time.monotonic()
-            await self._broker.leases.put(f"worker.{self._worker}", b"")
-            for partition in list(self._held):
-                await self._renew(partition)
-            await self._balance()
-            await asyncio.sleep(max(0.0, began_s + self._length_s / TURNS - time.monotonic()))
+            await asyncio.gather(self._announce(), *(self._renew(one) for one in list(self._held)))
+            # What becomes free in between is taken at once.
+            next_s = began_s + self._length_s / TURNS
+            while True:
+                await self._balance()
+                remaining_s = next_s - time.monotonic()
+                if remaining_s <= 0.0:
+                    break
+                self._changed.clear()
+                with contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(remaining_s):
+                        await self._changed.wait()
             if time.monotonic() - began_s > self._length_s:
-                # This process, or the broker, stood still: what others wrote meanwhile has not been read yet.
-                await asyncio.sleep(self._length_s / TURNS)
+                # This process stood still: what others wrote meanwhile has not been read yet.
+                self._back()
+
+    async def _announce(self) -> None:
+        await self._broker.leases.put(f"{_WORKER}{self._worker}", b"")
 
     async def _renew(self, partition: int) -> None:
-        revision, written_s = self._held[partition]
+        revision, key = self._held[partition], _key(partition)
+        renewed: int | None
         try:
-            renewed = await self._broker.leases.update(_key(partition), self._worker.encode(), last=revision)
+            renewed = await self._broker.leases.update(key, self._worker.encode(), last=revision)
         except KeyWrongLastSequenceError:
+            renewed = await self._own_revision(key)
+        if partition not in self._held:
+            return
+        if renewed is None:
             logger.warning("the lease of partition %d is lost", partition)
             self._lose(partition)
-        except (nats.errors.Error, StreamError, TimeoutError):
-            if time.monotonic() - written_s > 2 * self._length_s:
-                logger.warning("the lease of partition %d could not be renewed", partition)
-            raise
         else:
-            if partition in self._held:
-                self._held[partition] = (renewed, time.monotonic())
+            self._held[partition] = renewed
+
+    async def _own_revision(self, key: str) -> int | None:
+        """Return the revision of a lease that is ours all the same: the answer to a renewal may be lost."""
+        try:
+            entry = await self._broker.leases.get(key)
+        except KeyNotFoundError:
+            return None
+        return entry.revision if entry.value == self._worker.encode() else None
+
+    def _workers_seen(self) -> set[str]:
+        return {key.removeprefix(_WORKER) for key in self._seen if key.startswith(_WORKER)}
+
+    async def _reap(self, worker: str) -> None:
+        """Free what a worker held that is gone."""
+        leases = self._broker.leases
+        keys = [key for key, one in self._seen.items() if one.value == worker.encode()]
+        for key in (*keys, f"{_WORKER}{worker}"):
+            known = self._seen.get(key)
+            if known is not None:
+                # Somebody else may be faster.
+                await self._ignoring(leases.delete(key, last=known.revision))
 
     async def _balance(self) -> None:
         now_s = time.monotonic()
-        old = {key for key, (_, since_s) in self._seen.items() if now_s - since_s > self._length_s}
-        workers = {key for key in self._seen if key.startswith("worker.")} - old | {f"worker.{self._worker}"}
+        old = {key for key, one in self._seen.items() if now_s - one.since_s > self._length_s}
+        workers = {key for key in self._seen if key.startswith(_WORKER)} - old | {f"{_WORKER}{self._worker}"}
         partitions = self._broker.partitions
         share = math.ceil(partitions / len(workers))
-        if len(self._held) > share:
-            await self._give_back(max(self._held))
+        staying = self._held.keys() - self._leaving
+        if len(staying) > share:
+            ready = staying - self._moving.keys()
+            if ready and not self._leaving:
+                partition = max(ready)
+                self._leaving.add(partition)
+                self._move(partition, self._give_back(partition))
             return
-        first = sorted(workers).index(f"worker.{self._worker}") * share
-        for number in range(partitions):
-            if len(self._held) >= share:
-                return
-            partition = (first + number) % partitions
-            key = _key(partition)
-            if partition not in self._held and (key not in self._seen or key in old):
-                await self._take(partition, key)
+        first = sorted(workers).index(f"{_WORKER}{self._worker}") * share
+        free = [
+            partition
+            for partition in ((first + number) % partitions for number in range(partitions))
+            if partition not in self._held and (_key(partition) not in self._seen or _key(partition) in old)
+        ]
+        # Side by side: each waits for the broker and the database.
+        await asyncio.gather(*(self._acquire(one) for one in free[: share - len(staying)]))
 
-    async def _take(self, partition: int, key: str) -> None:
-        leases, name = self._broker.leases, self._worker.encode()
+    def _move(self, partition: int, work: Coroutine[Any, Any, None]) -> None:
+        task = self._moving[partition] = asyncio.create_task(work, name=f"move partition {partition}")
+
+        def moved(_: asyncio.Task[None]) -> None:
+            del self._moving[partition]
+            self._leaving.discard(partition)
+
+        task.add_done_callback(moved)
+
+    async def _acquire(self, partition: int) -> None:
+        if partition in self._moving:
+            return
+        key, leases, name = _key(partition), self._broker.leases, self._worker.encode()
+        known = self._seen.get(key)
         try:
-            known = self._seen.get(key)
             revision = await (
-                leases.create(key, name) if known is None else leases.update(key, name, last=known[0])
+                leases.create(key, name) if known is None else leases.update(key, name, last=known.revision)
             )
         except KeyWrongLastSequenceError:
             return
-        self._held[partition] = (revision, time.monotonic())
+        self._held[partition] = revision
+        self._seen[key] = _Key(revision, time.monotonic(), name)
+        self._move(partition, self._take(partition))
+
+    async def _take(self, partition: int) -> None:
         try:
             await self._holder.take(partition)
         except Exception:
             logger.exception("partition %d could not be taken", partition)
+            revision = self._held.get(partition)
             self._lose(partition)
-            await self._ignoring(leases.delete(key, last=revision))
+            # The cause may last: others have their turn first.
+            await asyncio.sleep(self._length_s / TURNS)
+            await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
+        else:
+            if partition not in self._held:
+                # Lost while it was being taken.
+                self._holder.lose(partition)
 
     async def _give_back(self, partition: int) -> None:
         await self._holder.give_back(partition)
-        held = self._held.pop(partition, None)
-        if held is not None:
-            await self._ignoring(self._broker.leases.delete(_key(partition), last=held[0]))
+        revision = self._held.pop(partition, None)
+        if revision is not None:
+            await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
 
     def _lose(self, partition: int) -> None:
         self._held.pop(partition, None)

@@ -4,8 +4,6 @@ import asyncio
 import logging
 import time
 from collections.abc import Awaitable, Callable, Iterable
-from dataclasses import dataclass, field
-from functools import partial
 from typing import Final
 
 import nats
@@ -15,32 +13,22 @@ from nats.js.errors import Error as StreamError
 from sqlalchemy import Engine
 
 from app.database.unit_of_work import unit_of_work
-from app.errors import TelemotionError, Unavailable
-from app.live import repository
+from app.errors import TelemotionError
 from app.live.bus import MemoryBus
-from app.network.declaration import Declaration
+from app.live.session.checkpoint import pack
 from app.recordings.service import queue_closing
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.broker import Broker, stream_name
-from app.scaled.fencing import Fence, fenced, save_position, take_over
-from app.scaled.wire import (
-    Answer,
-    Entry,
-    HelloEntry,
-    PacketEntry,
-    Report,
-    Request,
-    decode_entries,
-    pack_error,
-    subject,
-)
+from app.scaled.checkpoints import forget, save
+from app.scaled.fencing import Fence, fenced, take_over
+from app.scaled.wire import Answer, Request, decode_entries, subject
 from app.scaled.worker.connections import Connections
+from app.scaled.worker.entries import Entries
+from app.scaled.worker.marks import Marks
 from app.scaled.worker.outlet import Outlet
 from app.scaled.worker.questions import Questions
 from app.scaled.worker.reader import read
-from app.scaled.worker.senders import StreamSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
-from app.sentences import say
 
 logger = logging.getLogger(__name__)
 
@@ -49,16 +37,10 @@ TURN_S: Final = 0.25
 SOURCE_TURNS: Final = 20
 """Turns from one look at the safety of magnetic sources to the next."""
 BEHIND_S: Final = 0.05
+DRAIN_S: Final = 3.0
+"""A session is closed after so long, also when the end of the stream was not reached."""
 
 Ask = Callable[[Request], Awaitable[Answer]]
-
-
-@dataclass
-class _Opening:
-    """A session that is being opened: what the stream has for it waits."""
-
-    position: int
-    entries: list[tuple[int, Entry]] = field(default_factory=list)
 
 
 class Partition:
@@ -93,16 +75,13 @@ class Partition:
         self._worker, self._refused, self._ask = worker, refused, ask
         self.sessions: PartitionSessions
         self.position = 0
-        """Of the stream, taken."""
+        """Of the stream, read."""
         self.waiting = 0
         """Messages of the stream behind it."""
-        self._opening: dict[str, _Opening] = {}
-        self._senders: dict[str, StreamSender] = {}
         self._tasks: list[asyncio.Task[None]] = []
-        self._openers: set[asyncio.Task[None]] = set()
         self._subscriptions: list[Subscription] = []
-        # Of the monotonic clock against that of arrivals; both in seconds.
-        self._clock_offset_s = time.monotonic() - time.time()
+        self._marks = Marks()
+        self._is_set_up = False
 
     async def take(self) -> None:
         """Fence earlier holders off, take up the sessions, and read on where they end."""
@@ -120,14 +99,21 @@ class Partition:
         def analyse(session_id: str) -> None:
             with unit_of_work(engine) as session:
                 queue_closing(session, session_id)
+                forget(session, session_id)
 
-        self.sessions = PartitionSessions(engine, self._writer, bus, analyse, self._shared)
+        self.sessions = PartitionSessions(engine, self._writer, bus, analyse, self._drain, self._shared)
         self._outlet = Outlet(self._broker, bus, self.number, fencing)
         self.connections = Connections(self.sessions, self._outlet)
-        await self.sessions.begin(self.number, self._broker.partitions)
+        self._entries = Entries(self.sessions, self.connections, self._outlet, engine, self._shared)
+        self._is_set_up = True
+        later = await self.sessions.begin(self.number, self._broker.partitions)
         info = await self._broker.streams.stream_info(stream_name(self.number))
         # A stream that was made anew begins at one: all of it is unread.
         self.position = self._stored = stored if stored <= info.state.last_seq else 0
+        self.waiting = info.state.last_seq - self.position
+        self.sessions.behind(lambda: self.waiting > 0 or self._entries.is_opening)
+        for session_id in later:
+            self._entries.take_up(self.position, session_id)
         questions = Questions(self.sessions, self._outlet, self.connections, self._ask)
         client = self._broker.client
         for name, answer in (("ask", questions.ask), ("here", questions.hear), ("done", self._analysed)):
@@ -144,7 +130,7 @@ class Partition:
         await self._stop_reading()
         await self.sessions.closed()
         try:
-            await self._checkpoint()
+            await self._checkpoint(is_last=True)
         except (TelemotionError, nats.errors.Error, StreamError) as error:
             logger.warning("partition %d: not stored at the end: %s", self.number, type(error).__name__)
         self._end()
@@ -158,14 +144,18 @@ class Partition:
         self._end()
         asyncio.get_running_loop().run_in_executor(None, self._writer.close)
 
+    def abandon(self) -> None:
+        """Leave nothing behind of a partition that could not be taken."""
+        if self._is_set_up:
+            self.lose()
+
     def _end(self) -> None:
-        for opener in self._openers:
-            opener.cancel()
+        self._entries.close()
         self.connections.close()
         self.sessions.leave()
         self._outlet.close()
         closing = [one.unsubscribe() for one in self._subscriptions]
-        self._openers.add(asyncio.ensure_future(_all(closing)))
+        self._unsubscribing = asyncio.ensure_future(_all(closing))
 
     async def _stop_reading(self) -> None:
         for task in self._tasks:
@@ -177,55 +167,23 @@ class Partition:
     async def _read(self) -> None:
         async for sequence, data, waiting in read(self._broker, self.number, self.position):
             for entry in decode_entries(data):
-                self._take(sequence, entry)
+                self._entries.take(sequence, entry)
             self.position, self.waiting = sequence, waiting
-            while any(one.held for one in self._senders.values()):  # noqa: ASYNC110 - rare, and soon over
-                # Store or estimation of a session is behind: what comes waits in the stream.
+            while self._entries.is_behind:  # noqa: ASYNC110 - rare, and soon over
                 await asyncio.sleep(BEHIND_S)
 
-    def _take(self, sequence: int, entry: Entry) -> None:
-        opening = self._opening.get(entry.session_id)
-        if opening is not None:
-            opening.entries.append((sequence, entry))
-        elif isinstance(entry, PacketEntry):
-            self._packet(entry)
-        elif isinstance(entry, HelloEntry):
-            self._opening[entry.session_id] = _Opening(sequence)
-            task = asyncio.create_task(self._open(entry), name="open from stream")
-            self._openers.add(task)
-            task.add_done_callback(self._openers.discard)
-        else:
-            # What came before it is taken.
-            self.sessions.pooled.turn()
-            self.connections.take(entry)
-
-    def _packet(self, entry: PacketEntry) -> None:
-        session = self.sessions.find(entry.session_id)
-        if session is None:
+    async def _drain(self, session_id: str) -> None:
+        """Return when all is read that edges have taken of a session; its gateway is not listened to any more."""
+        if await self.connections.stop(session_id):
             return
-        sender = self._senders.get(entry.session_id)
-        if sender is None or sender.session is not session:
-            refused = partial(self.connections.say, entry.session_id)
-            sender = self._senders[entry.session_id] = StreamSender(session, refused)
-        arrival_s = entry.arrival_ns * 1e-9 + self._clock_offset_s
-        self.sessions.pooled.offer(sender, memoryview(entry.data), 0, arrival_s, entry.arrival_ns)
-
-    async def _open(self, hello: HelloEntry) -> None:
         try:
-            stored = await asyncio.to_thread(repository.load, self._fenced, hello.session_id)
-            session = await self.sessions.join(stored, Declaration.from_dict(hello.declaration))
-            self.sessions.pooled.turn()
-            self.connections.open(session, hello)
-        except TelemotionError as error:
-            self._outlet.report(hello.edge, Report(hello.connection, "failed", error=pack_error(error)))
-        except Exception:
-            logger.exception("session %s could not be opened", hello.session_id)
-            wrong = Unavailable(say("live.preparing"), retry_after_s=2)
-            self._outlet.report(hello.edge, Report(hello.connection, "failed", error=pack_error(wrong)))
-        finally:
-            opening = self._opening.pop(hello.session_id)
-            for sequence, entry in opening.entries:
-                self._take(sequence, entry)
+            # Nobody is connected, or its edge has ended: what it took lies in the stream by now.
+            info = await self._broker.streams.stream_info(stream_name(self.number))
+            async with asyncio.timeout(DRAIN_S):
+                while self.position < info.state.last_seq:  # noqa: ASYNC110 - short, and before a session is closed
+                    await asyncio.sleep(BEHIND_S)
+        except (nats.errors.Error, StreamError, TimeoutError) as error:
+            logger.warning("session %s is closed before all is read: %s", session_id, type(error).__name__)
 
     # --- looking after it -----------------------------------------------------------------------------------
 
@@ -236,8 +194,7 @@ class Partition:
             turn += 1
             try:
                 await self.connections.report()
-                for gone in self._senders.keys() - {one.id for one in self.sessions.sessions}:
-                    del self._senders[gone]
+                self._entries.forget_ended()
                 if turn % SOURCE_TURNS == 0:
                     for session in self.sessions.sessions:
                         await self.sessions.check_source(session.id)
@@ -249,23 +206,25 @@ class Partition:
             except Exception:
                 logger.exception("partition %d stumbled; it goes on", self.number)
 
-    async def _checkpoint(self) -> None:
+    async def _checkpoint(self, *, is_last: bool = False) -> None:
         """Commit everything up to where the stream was taken, then say so, then forget that part of the stream."""
-        if any(sender.held for sender in self._senders.values()):
+        if self._entries.is_behind:
             return
         self.sessions.pooled.turn()
-        position = min([self.position, *(one.position - 1 for one in self._opening.values())])
+        position = self._entries.taken(self.position)
         if position <= self._stored:
             return
-        flushed = []
-        for session in self.sessions.sessions:
+        sessions = self.sessions.sessions
+        for session in sessions:
             session.settle()
-            if not session.has_store_failed:
-                flushed.append(asyncio.wrap_future(self._writer.flush(session.id)))
-        await asyncio.gather(*flushed)
-        for session in self.sessions.sessions:
+        states = self._marks.due(sessions, everything=is_last)
+        flushed = [self._writer.flush(one.id) for one in sessions if not one.has_store_failed]
+        await asyncio.gather(*map(asyncio.wrap_future, flushed))
+        for session in sessions:
             await session.saved()
-        await asyncio.to_thread(save_position, self._fenced, self.number, position)
+        packed = await asyncio.to_thread(lambda: {name: pack(one) for name, one in states.items()})
+        await asyncio.to_thread(save, self._fenced, self.number, position, packed)
+        self._marks.stored(list(packed))
         self._stored = position
         await self._broker.streams.purge_stream(stream_name(self.number), seq=position + 1)
 

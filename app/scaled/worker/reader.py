@@ -22,6 +22,7 @@ logger = logging.getLogger(__name__)
 
 HEARTBEAT_S: Final = 0.5
 SILENCE_S: Final = 1.6
+ANSWER_S: Final = 1.0
 AGAIN_S: Final = 0.2
 WAITING_BYTES: Final = 64 << 20
 
@@ -61,6 +62,13 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
     client, inbox = broker.client, broker.client.new_inbox()
     subscription = await client.subscribe(inbox, pending_bytes_limit=WAITING_BYTES)
     name = None
+    waking: set[asyncio.Task[None]] = set()
+
+    def wake() -> None:
+        # A server that was started again has no such consumer any more: its silence is not waited for.
+        waking.add(asyncio.create_task(client.publish(inbox), name="wake reader"))
+
+    forget = broker.on_back(wake)
     try:
         config = ConsumerConfig(
             deliver_subject=inbox,
@@ -74,7 +82,8 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
             num_replicas=1,
             mem_storage=True,
         )
-        made = await broker.streams.add_consumer(stream_name(partition), config)
+        async with asyncio.timeout(ANSWER_S):
+            made = await broker.streams.add_consumer(stream_name(partition), config)
         name, expected = made.name, 1
         while True:
             message: Msg = await subscription.next_msg(timeout=SILENCE_S)
@@ -86,12 +95,15 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
                 elif int(message.headers.get("Nats-Last-Consumer") or expected - 1) != expected - 1:
                     return
                 continue
+            if not message.reply:
+                return
             numbers = message.metadata
             if numbers.sequence.consumer != expected:
                 return
             expected += 1
             yield numbers.sequence.stream, message.data, numbers.num_pending or 0
     finally:
+        forget()
         await _forget(broker, partition, name)
         await subscription.unsubscribe()
 

@@ -1,6 +1,7 @@
 """Whose a packet of the stream is, for the pooled engine; and a gateway's connection, as its worker sees it."""
 
 import asyncio
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -70,6 +71,11 @@ class Connection:
     """For the gateway, not sent yet."""
     reported: tuple[str, bool] | None = None
     reported_s: float = 0.0
+    opened_s: float = field(default_factory=time.monotonic)
+    is_stopping: bool = False
+    """Its session is about to be closed: nothing more is to be taken from it."""
+    stopped: asyncio.Event = field(default_factory=asyncio.Event)
+    """Set when all has been read that was taken from it."""
     orders: asyncio.Task[None] | None = None
 
     def end(self) -> None:

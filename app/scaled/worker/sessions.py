@@ -3,20 +3,23 @@
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 from sqlalchemy import Engine
 
-from app.errors import TelemotionError
+from app.errors import TelemotionError, Unavailable
 from app.limits import Limits
 from app.live import repository
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager, Shared
+from app.live.messages import StateMessage
 from app.live.repository import StoredSession
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
+from app.scaled import checkpoints
 from app.scaled.wire import partition_of
 from app.settings import Settings
 
@@ -32,6 +35,8 @@ class OfWorker(Shared):
 
     settings: Settings
     limits: Limits
+    late_packets: int = 0
+    """Packets that came out of the stream after their session was closed."""
 
 
 class PartitionSessions(LiveManager):
@@ -45,6 +50,8 @@ class PartitionSessions(LiveManager):
         Started, on the same engine.
     bus : MemoryBus
     on_closed : callable(session_id)
+    drain : async callable(session_id)
+        Returns when everything that edges have taken of a session is read.
     shared : OfWorker
     """
 
@@ -54,6 +61,7 @@ class PartitionSessions(LiveManager):
         writer: GroupCommitWriter,
         bus: MemoryBus,
         on_closed: Callable[[str], None],
+        drain: Callable[[str], Awaitable[None]],
         shared: OfWorker,
     ) -> None:
         settings = shared.settings
@@ -68,27 +76,58 @@ class PartitionSessions(LiveManager):
             confirmation_hours=settings.implant_confirmation_hours,
             shared=shared,
         )
+        self._opener = replace(self._opener, checkpoint=partial(checkpoints.load, engine))
+        self._drain = drain
+        self._draining: dict[str, asyncio.Task[None]] = {}
 
-    async def begin(self, partition: int, partitions: int) -> None:
-        """Take up the partition's sessions where what is stored of them ends, then look after them."""
+    async def close(self, session_id: str, reason: str) -> StateMessage:
+        """Close a session once all is read that was acknowledged to its gateway."""
+        draining = self._draining.get(session_id)
+        if draining is None:
+            draining = asyncio.create_task(self._drained(session_id), name="drain session")
+            self._draining[session_id] = draining
+            draining.add_done_callback(lambda _: self._draining.pop(session_id, None))
+        await asyncio.shield(draining)
+        return await super().close(session_id, reason)
+
+    async def _drained(self, session_id: str) -> None:
+        if session_id not in self._closing:
+            await self._drain(session_id)
+
+    async def begin(self, partition: int, partitions: int) -> list[str]:
+        """Take up the partition's sessions where what is stored of them ends, then look after them.
+
+        Returns
+        -------
+        list of str
+            Sessions that are open and could not be taken up at this moment.
+        """
         self._loop = asyncio.get_running_loop()
         open_ones, closing = await asyncio.to_thread(
             repository.unfinished, self.engine, lambda one: partition_of(one, partitions) == partition
         )
         for session_id in closing:
             await asyncio.to_thread(self._on_closed, session_id)
-        turn = asyncio.Semaphore(AT_ONCE)
+        turn, later = asyncio.Semaphore(AT_ONCE), []
 
         async def take_up(stored: StoredSession) -> None:
             async with turn:
                 try:
                     await self.join(stored, Declaration.from_dict(stored.hello or {}))
+                except Unavailable as error:
+                    logger.warning("session %s is taken up later: %s", stored.id, error.message)
+                    later.append(stored.id)
                 except TelemotionError as error:
                     logger.error("session %s could not be taken up: %s", stored.id, error.message)
                     self._housekeeping.abandoned(stored.id)
 
         await asyncio.gather(*(take_up(stored) for stored in open_ones))
         self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
+        return later
+
+    def behind(self, is_behind: Callable[[], bool]) -> None:
+        """Have nobody taken for silent while packets that have arrived are still to be read."""
+        self._housekeeping.is_behind = is_behind
 
     async def closed(self) -> None:
         """Wait until the sessions that are being closed are."""
@@ -97,7 +136,7 @@ class PartitionSessions(LiveManager):
     def leave(self) -> None:
         """Let every session go as it stands; whoever holds the partition next goes on."""
         self._is_stopping = True
-        for task in (self._housekeeper, *self._closing.values(), *self._tasks):
+        for task in (self._housekeeper, *self._draining.values(), *self._closing.values(), *self._tasks):
             if task is not None:
                 task.cancel()
         self.pooled.turn()

@@ -1,0 +1,99 @@
+"""Which workers live: each answers for itself, and whoever nobody answers for is gone.
+
+A lease tells of a death after its length. NATS knows sooner: the connection of a process that was killed ends with it,
+and a question to which nobody listens is refused by the server within a millisecond. Each worker asks the one whose
+name follows its own, so that the questions grow with the workers, not with their square. Who is silent in another way
+(paused, or cut off from the network) is known by the lease as before.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable
+from typing import Final
+
+import nats
+from nats.aio.msg import Msg
+from nats.errors import NoRespondersError
+
+from app.scaled.broker import Broker
+from app.scaled.wire import subject
+
+logger = logging.getLogger(__name__)
+
+PERIOD_S: Final = 0.1
+TIMES: Final = 3
+"""A worker is gone when so many questions in a row found nobody."""
+ANSWER_S: Final = 0.5
+
+
+class Presence:
+    """Answers for this worker, and asks the next.
+
+    Parameters
+    ----------
+    broker : Broker
+    worker : str
+        Name of this one.
+    workers : callable()
+        Returns the names of all that are known.
+    gone : async callable(name)
+        Called when nobody answers for a worker.
+    grace_s : float
+        After the broker was away others may still be away for so long.
+    """
+
+    def __init__(
+        self,
+        broker: Broker,
+        worker: str,
+        workers: Callable[[], set[str]],
+        gone: Callable[[str], Awaitable[None]],
+        grace_s: float,
+    ) -> None:
+        self._broker, self._worker, self._workers, self._gone = broker, worker, workers, gone
+        self._grace_s, self._back_s = grace_s, time.monotonic()
+        self._asked, self._unanswered = "", 0
+        broker.on_back(self._back)
+
+    async def answer(self) -> None:
+        """Begin to answer."""
+
+        async def here(message: Msg) -> None:
+            await message.respond(b"")
+
+        await self._broker.client.subscribe(subject("alive", self._worker), cb=here)
+
+    def _back(self) -> None:
+        self._back_s, self._unanswered = time.monotonic(), 0
+
+    async def run(self) -> None:
+        """Ask again and again."""
+        while True:
+            await asyncio.sleep(PERIOD_S)
+            if self._broker.client.is_connected and time.monotonic() - self._back_s > self._grace_s:
+                await self._turn()
+
+    async def _turn(self) -> None:
+        others = self._workers() - {self._worker}
+        if not others:
+            return
+        following = min((one for one in others if one > self._worker), default=min(others))
+        if following != self._asked:
+            self._asked, self._unanswered = following, 0
+        try:
+            await self._broker.client.request(subject("alive", following), timeout=ANSWER_S)
+        except NoRespondersError:
+            self._unanswered += 1
+        except (nats.errors.Error, OSError, TimeoutError):
+            # It is slow, or the broker is: its lease decides.
+            self._unanswered = 0
+        else:
+            self._unanswered = 0
+        if self._unanswered >= TIMES:
+            self._unanswered = 0
+            logger.warning("worker %s is gone", following)
+            await self._gone(following)
+
+
+__all__ = ["Presence"]
