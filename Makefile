@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run run-scaled test test-quick coverage checks lint types web web-test api-test bench-live bench-cues bench-abuse bench-kills bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick coverage checks lint types web web-test api-test bench-live bench-cues bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -112,6 +112,9 @@ bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its 
 
 bench-kills: $(VENV)/compiled ## Kill edges, workers, NATS and PostgreSQL again and again; SESSIONS=6
 	@$(BIN)/python -m tests.benchmarks.scaled_kills --sessions $(or $(SESSIONS),6)
+
+bench-scaled: $(VENV)/compiled ## Processor cost of a live session in edge, broker, worker and database, beside one process
+	@$(BIN)/python -m tests.benchmarks.scaled_costs
 
 bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother
 	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.estimation.bench_$$part || status=1; done; exit $$status

@@ -57,6 +57,20 @@ def serve(
 
 
 @cli.command()
+def capacity(
+    sessions: Annotated[int, typer.Option(min=1, help="Live at once, each watched.")] = 10_000,
+    partitions: Annotated[int, typer.Option(min=1, help="Into which they are divided.")] = 2048,
+) -> None:
+    """Say what a number of live sessions needs on many machines, and what a worker's death does to them.
+
+    Computed with the measured costs of docs/scaling.md. Needs the extra `scaled`.
+    """
+    from app.scaled.capacity import report
+
+    report.capacity(sessions, partitions)
+
+
+@cli.command()
 def edge(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Port = 8000,

@@ -2,7 +2,7 @@
 
 A lease is a key that its holder writes anew a few times in its length. Who sees a key unchanged for that length, by the
 own clock, may write it, on condition that it is still the same: of several only one succeeds. Workers write that they
-live in the same way; each wants its share of the partitions, rounded up, and gives one back when it has more. The keys
+live in the same way; each wants its share of the partitions (`share_of`), and gives one back when it has more. The keys
 of a worker whose process has ended are deleted by another one (`app.scaled.worker.presence`), and free at once.
 
 A lease only decides who tries. That an earlier holder writes nothing is the database's word, see `app.scaled.fencing`.
@@ -11,7 +11,6 @@ A lease only decides who tries. That an earlier holder writes nothing is the dat
 import asyncio
 import contextlib
 import logging
-import math
 import time
 from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ from nats.js.errors import KeyNotFoundError, KeyWrongLastSequenceError
 from nats.js.kv import KeyValue
 
 from app.scaled.broker import Broker
+from app.scaled.placement import share_of
 from app.scaled.worker.presence import Presence
 
 logger = logging.getLogger(__name__)
@@ -211,7 +211,8 @@ class Leases:
         old = {key for key, one in self._seen.items() if now_s - one.since_s > self._length_s}
         workers = {key for key in self._seen if key.startswith(_WORKER)} - old | {f"{_WORKER}{self._worker}"}
         partitions = self._broker.partitions
-        share = math.ceil(partitions / len(workers))
+        rank = sorted(workers).index(f"{_WORKER}{self._worker}")
+        first, share = share_of(rank, len(workers), partitions)
         staying = self._held.keys() - self._leaving
         if len(staying) > share:
             ready = staying - self._moving.keys()
@@ -220,7 +221,6 @@ class Leases:
                 self._leaving.add(partition)
                 self._move(partition, self._give_back(partition))
             return
-        first = sorted(workers).index(f"{_WORKER}{self._worker}") * share
         free = [
             partition
             for partition in ((first + number) % partitions for number in range(partitions))
