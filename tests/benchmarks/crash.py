@@ -287,7 +287,7 @@ def main() -> int:
         environment = environment_of(url, folder, free_port())
         # Python's own helper of processes says what the killed one left to it.
         environment["PYTHONWARNINGS"] = "ignore:resource_tracker"
-        compile_usual(environment)
+        compile_usual()
         outcome = asyncio.run(run(environment, patient_id, stream, arguments.sessions, arguments.times))
     return 0 if report(outcome, arguments.sessions) else 1
 

@@ -1,5 +1,6 @@
 """The real service for benchmarks: a database with therapists and patients, and a process that serves it."""
 
+import functools
 import os
 import socket
 import subprocess
@@ -21,7 +22,6 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import DeviceStream, ServiceClient
-from app.live.warmup import usual
 from app.patients.models import Grant, Mounting, Patient
 from app.recordings.schemas import SessionIn
 
@@ -91,12 +91,11 @@ def environment_of(url: str, folder: Path, port: int, settings: Mapping[str, str
     }
 
 
-def compile_usual(environment: Mapping[str, str]) -> None:
-    """Compile what live sessions need, so that a service finds it in the cache."""
-    for kind in usual():
-        subprocess.run(
-            [sys.executable, "-m", "app.live.warmup", *kind], env=environment, cwd=ROOT, check=True
-        )
+@functools.cache
+def compile_usual() -> None:
+    """Compile what live sessions need, so that a service finds it in the cache; once a process of tests is enough."""
+    code = "from app.live.warmup import usual, warm_up\nfor kind in usual():\n    warm_up(kind)"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 
 def launch(environment: Mapping[str, str], before: str = "") -> subprocess.Popen[bytes]:
@@ -129,7 +128,7 @@ def start_server(
 ) -> subprocess.Popen[bytes]:
     """Start the service; `before` is code that it runs first. What live sessions need is compiled before that."""
     environment = environment_of(url, folder, port, settings)
-    compile_usual(environment)
+    compile_usual()
     process = launch(environment, before)
     wait_until(process, environment["TELEMOTION_BASE_URL"])
     return process

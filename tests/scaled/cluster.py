@@ -100,7 +100,7 @@ class Cluster:
     def begin(self, edges: int = 2, workers: int = 2) -> None:
         """Start everything, and wait until it is ready."""
         self.start_broker()
-        compile_usual(self.environment(0))
+        compile_usual()
         parts = [("worker", f"worker{n}") for n in range(workers)] + [
             ("edge", f"edge{n}") for n in range(edges)
         ]
