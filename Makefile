@@ -4,6 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 # A file's tests stay together: they share a running server.
 TWO_AT_ONCE := -n 2 --dist loadfile
+QUICK := not slow and not e2e and not postgres
 PORT ?= 8000
 # Bytecode is kept, also where the surroundings forbid it: each process of the service and the tests starts faster.
 export PYTHONDONTWRITEBYTECODE :=
@@ -13,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run run-scaled test test-quick coverage checks lint types web web-test api-test bench-live bench-cues bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -98,8 +99,11 @@ test: ## Everything: lint, types, browser client, unit, service, database and br
 coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
-test-quick: $(VENV)/compiled ## The quick tests only, no browser
-	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" $(TWO_AT_ONCE)
+test-quick: $(VENV)/compiled ## The quick tests only, no browser: at every save; names those that took over 2 s
+	@$(BIN)/python -m pytest -m "$(QUICK)" $(TWO_AT_ONCE) --durations=20 --durations-min=2
+
+test-costs: $(VENV)/compiled ## Processor time of each test that is not marked slow; writes tests/slow.txt
+	@$(BIN)/python -m pytest -m "$(QUICK)" $(TWO_AT_ONCE) -p tests.costs --write-slow
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
 	@$(BIN)/python -m tests.benchmarks.bench_live

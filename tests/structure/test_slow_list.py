@@ -1,0 +1,37 @@
+"""What `make test-quick` leaves out by measurement is there, and is chosen as it says."""
+
+import ast
+from pathlib import Path
+
+from tests.costs import SLOW_FILE, function_of, too_costly
+
+ROOT = Path(__file__).parents[2]
+
+
+def functions(file: Path) -> set[str]:
+    """Return the names that a file defines, those of methods without their class."""
+    tree = ast.parse(file.read_text())
+    return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)}
+
+
+def test_what_is_listed_is_there() -> None:
+    names = SLOW_FILE.read_text().split()
+    assert names == sorted(set(names))
+    for name in names:
+        file, *_, function = name.split("::")
+        # A method may be inherited from a contract in another file.
+        assert (ROOT / file).exists(), f"{name}: `make test-costs` writes the list anew"
+        if name.count("::") == 1:
+            assert function in functions(ROOT / file), f"{name}: `make test-costs` writes the list anew"
+
+
+def test_the_fewest_go_until_the_rest_fits() -> None:
+    costs = {"a": 5.0, "b": 3.0, "c": 3.0, "d": 0.5}
+    assert too_costly(costs, 12.0) == []
+    assert too_costly(costs, 6.5) == ["a"]
+    assert too_costly(costs, 4.0) == ["a", "b"]
+    assert too_costly(costs, 0.4) == ["a", "b", "c", "d"]
+
+
+def test_cases_of_a_test_count_as_one() -> None:
+    assert function_of("tests/a.py::test_b[x::y[0]]") == "tests/a.py::test_b"
