@@ -115,10 +115,10 @@ bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its 
 	@$(BIN)/python -m tests.benchmarks.bench_abuse
 
 bench-kills: $(VENV)/compiled ## Kill edges, workers, NATS and PostgreSQL again and again; SESSIONS=6
-	@$(BIN)/python -m tests.benchmarks.scaled_kills --sessions $(or $(SESSIONS),6)
+	@$(BIN)/python -m tests.benchmarks.scaled.kills --sessions $(or $(SESSIONS),6)
 
 bench-scaled: $(VENV)/compiled ## Processor cost of a live session in edge, broker, worker and database, beside one process
-	@$(BIN)/python -m tests.benchmarks.scaled_costs
+	@$(BIN)/python -m tests.benchmarks.scaled.costs
 
 bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother
 	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.estimation.bench_$$part || status=1; done; exit $$status

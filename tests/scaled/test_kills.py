@@ -1,4 +1,4 @@
-"""Edge, broker and database are killed in mid-stream; `tests/benchmarks/scaled_kills.py` does so many times."""
+"""Edge, broker and database are killed in mid-stream; `tests/benchmarks/scaled/kills.py` does so many times."""
 
 import asyncio
 import shutil
