@@ -24,12 +24,12 @@ class RecentSamples:
     def __init__(self, ticks: int) -> None:
         self.ticks = ticks
         self._signals: Float | None = None
-        self._quality = np.empty((0, ticks), dtype=np.uint8)
+        self._quality = np.empty((ticks, 0), dtype=np.uint8)
         self._waiting: deque[ImuChunk] = deque()
         """Chunks that were not written yet: while nobody reads the ring, references cost less."""
 
     def share(self, signals: Float, quality: NDArray[np.uint8]) -> None:
-        """Go on over these arrays, shapes (channels, S, ticks, 3) and (S, ticks), which hold the ring from now on."""
+        """Go on over these arrays, shapes (ticks, channels, S, 3) and (ticks, S), which hold the ring from now on."""
         if self._signals is not None and self._signals.base is not signals.base:
             signals[...], quality[...] = self._signals, self._quality
         self._signals, self._quality = signals, quality
@@ -57,15 +57,15 @@ class RecentSamples:
         if chunk.magnetometer_t is not None:
             fields.append(chunk.magnetometer_t)
         if self._signals is None:
-            self._signals = np.empty((len(fields), chunk.sensor_count, self.ticks, 3))
-            self._quality = np.empty((chunk.sensor_count, self.ticks), dtype=np.uint8)
+            self._signals = np.empty((self.ticks, len(fields), chunk.sensor_count, 3))
+            self._quality = np.empty((self.ticks, chunk.sensor_count), dtype=np.uint8)
         skipped = max(0, chunk.tick_count - self.ticks)
         while skipped < chunk.tick_count:
             at = (chunk.first_tick + skipped) % self.ticks
             stop = min(chunk.tick_count, skipped + self.ticks - at)
-            for own, values in zip(self._signals, fields, strict=True):
-                own[:, at : at + stop - skipped] = values[:, skipped:stop]
-            self._quality[:, at : at + stop - skipped] = chunk.quality[:, skipped:stop]
+            for channel, values in enumerate(fields):
+                self._signals[at : at + stop - skipped, channel] = values[:, skipped:stop].transpose(1, 0, 2)
+            self._quality[at : at + stop - skipped] = chunk.quality[:, skipped:stop].T
             skipped = stop
 
     def chunk(self, first_tick: int, stop_tick: int, time_step_s: float) -> ImuChunk:
@@ -73,14 +73,14 @@ class RecentSamples:
         self._write()
         assert self._signals is not None
         at = np.arange(first_tick, stop_tick) % self.ticks
-        fields = self._signals[:, :, at]
+        fields = np.ascontiguousarray(self._signals[at].transpose(1, 2, 0, 3))
         return ImuChunk(
             first_tick,
             time_step_s,
             fields[0],
             fields[1],
             fields[2] if len(fields) == 3 else None,
-            self._quality[:, at],
+            np.ascontiguousarray(self._quality[at].T),
         )
 
 

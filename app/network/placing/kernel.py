@@ -243,17 +243,19 @@ def _keep_last(s: int, x: Record, network: Network, signals: Float, rows_known: 
 @borrowing()
 def _remember(s: int, item: Record, network: Network, signals: Float, quality: NDArray[np.uint8]) -> None:
     """Write the ticks into the ring of the newest, and say whether one of them is less than measured."""
-    length = network.recent.shape[3]
+    length = network.recent.shape[1]
     item.is_flawed = 0
-    for i in range(quality.shape[0]):
-        for k in range(quality.shape[1]):
-            at = (item.first_tick + k) % length
-            network.recent_quality[s, i, at] = quality[i, k]
+    # A tick of all sensors lies together: what is written for a packet is one stretch of memory.
+    for k in range(quality.shape[1]):
+        at = (item.first_tick + k) % length
+        for i in range(quality.shape[0]):
+            network.recent_quality[s, at, i] = quality[i, k]
             if quality[i, k] != 0:
                 item.is_flawed = 1
-            for c in range(signals.shape[0]):
+        for c in range(signals.shape[0]):
+            for i in range(quality.shape[0]):
                 for a in range(3):
-                    network.recent[s, c, i, at, a] = signals[c, i, k, a]
+                    network.recent[s, at, c, i, a] = signals[c, i, k, a]
 
 
 @borrowing()

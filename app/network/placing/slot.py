@@ -93,9 +93,9 @@ class Network(NamedTuple):
     clip_levels : ndarray, shape (N, S, 2, 2, 3)
     last_rows : ndarray, shape (N, C, S, 2, 3)
         The last two rows of samples, as `Aligner` carries them on.
-    recent : ndarray, shape (N, C, S, R, 3)
+    recent : ndarray, shape (N, R, C, S, 3)
         The newest R ticks in a ring, tick modulo R.
-    recent_quality : ndarray of uint8, shape (N, S, R)
+    recent_quality : ndarray of uint8, shape (N, R, S)
     carried, carried_sent : ndarray, shape (N, S, W)
         The last values of the channels that are carried beside motion, as `Aligner` and `Unpacker` carry them on.
     carried_same : ndarray of int64, shape (N, S)
@@ -186,8 +186,8 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int, 
         np.zeros((sessions, sensors), dtype=np.int64),
         np.zeros((sessions, sensors, 2, 2, 3)),
         np.zeros((sessions, channels, sensors, 2, 3)),
-        np.zeros((sessions, channels, sensors, recent_ticks, 3)),
-        np.zeros((sessions, sensors, recent_ticks), dtype=np.uint8),
+        np.zeros((sessions, recent_ticks, channels, sensors, 3)),
+        np.zeros((sessions, recent_ticks, sensors), dtype=np.uint8),
         np.zeros(each),
         np.zeros(each),
         np.zeros((sessions, sensors), dtype=np.int64),
