@@ -85,8 +85,9 @@ class Costs:
                     self.fixtures[value[0]] += value[1]  # type: ignore[index]
 
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
-        # Only when asked: of a part of the tests no list of all of them is made.
-        if session.config.getoption("--write-slow") and not hasattr(session.config, "workerinput"):
+        # Only when asked, and when all have run: of a part of the tests no list of all of them is made.
+        is_whole = exitstatus == pytest.ExitCode.OK and not hasattr(session.config, "workerinput")
+        if session.config.getoption("--write-slow") and is_whole:
             SLOW_FILE.write_text("".join(f"{name}\n" for name in too_costly(self.functions)))
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:

@@ -26,10 +26,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " the border that lies over another.",
     "design.knots": "The points of a band must be in order and at different phases, one band for each curve; load the"
     " template again and draw anew.",
-    "design.stop": "Stop rule {number} cannot hold; give it an angle of the template and a limit above zero.",
-    "design.weight": "Part {number} of the sum cannot hold; choose one of the measures that are offered, each once, and"
-    " a weight other than zero.",
-    "design.cue": "Cue {number} cannot hold; give it a curve of the template, phases in order and a tolerance"
+    "design.stop": "Stop rule {number} is not valid; give it an angle of the template and a limit above zero.",
+    "design.weight": "Part {number} of the sum is not valid; choose one of the measures that are offered, each once,"
+    " and a weight other than zero.",
+    "design.cue": "Cue {number} is not valid; give it a curve of the template, phases in order and a tolerance"
     " above zero.",
     "template.no_base": "This version belongs to another template; reload the page and change the newest one.",
     "template.retired": "“{name}” is retired; restore it in the library, or choose another template.",

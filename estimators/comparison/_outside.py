@@ -90,9 +90,9 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
         limit = _limit(retained, channel, column, difference)
         known &= np.abs(mean) > limit
         beyond = np.where(known, np.abs(mean) - width, -np.inf)
-        certain = known & (beyond > _OF_EXCESS * limit)
-        phase = int(np.argmax(np.where(certain, beyond, -np.inf) if certain.any() else beyond))
         least = _LEAST_M if "." in channel or channel.endswith("_m") else _LEAST_RAD
+        certain = known & (beyond > np.maximum(least, _OF_EXCESS * limit))
+        phase = int(np.argmax(np.where(certain, beyond, -np.inf) if certain.any() else beyond))
         if beyond[phase] <= least:
             continue
         often = np.zeros(len(beyond))

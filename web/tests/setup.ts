@@ -1,5 +1,5 @@
-import { cleanup } from '@testing-library/react';
-import { afterEach } from 'vitest';
+import { cleanup, configure } from '@testing-library/react';
+import { afterEach, vi } from 'vitest';
 import { speakWith } from '../src/i18n';
 import { words } from '../src/i18n/en';
 
@@ -15,5 +15,11 @@ if (!('fonts' in document)) Object.defineProperty(document, 'fonts', { value: ne
 
 // Pages are drawn once their words have come.
 speakWith('en', words);
+
+// On a machine that is busy with something else what is waited for comes late; one that never comes still fails.
+const PATIENCE_MS = 10_000;
+configure({ asyncUtilTimeout: PATIENCE_MS });
+const waitFor = vi.waitFor.bind(vi);
+vi.waitFor = (callback, options) => waitFor(callback, options ?? { timeout: PATIENCE_MS });
 
 afterEach(cleanup);

@@ -288,7 +288,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "compass.tilted": "Der Sensor war beim Drehen geneigt. Waagerecht halten, um die Senkrechte drehen und"
     " wiederholen.",
     "compass.unusable": "Diese Kompasskalibrierung ist nicht verwendbar. {reasons:lines}",
-    "design.cue": "Hinweis {number} kann nicht gelten; geben Sie ihm eine Kurve der Vorlage, Phasen in ihrer"
+    "design.cue": "Hinweis {number} ist ungültig; geben Sie ihm eine Kurve der Vorlage, Phasen in ihrer"
     " Reihenfolge und eine Toleranz über null.",
     "design.knots": "Die Punkte eines Bandes müssen geordnet und an verschiedenen Phasen sein, ein Band je"
     " Kurve; laden Sie die Vorlage noch einmal, und zeichnen Sie neu.",
@@ -297,9 +297,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "design.no_channel": "Die Vorlage hat keine Kurve {name}; wählen Sie eine, die sie zeigt.",
     "design.phases": "Phasen müssen aufeinander folgen, jede mit eigenem Namen und ihrem Beginn vor ihrem Ende;"
     " verschieben Sie die Grenze, die über einer anderen liegt.",
-    "design.stop": "Halteregel {number} kann nicht gelten; geben Sie ihr einen Winkel der Vorlage und eine"
+    "design.stop": "Halteregel {number} ist ungültig; geben Sie ihr einen Winkel der Vorlage und eine"
     " Grenze über null.",
-    "design.weight": "Teil {number} der Summe kann nicht gelten; wählen Sie eine der angebotenen Messgrößen, jede"
+    "design.weight": "Teil {number} der Summe ist ungültig; wählen Sie eine der angebotenen Messgrößen, jede"
     " einmal, und ein anderes Gewicht als null.",
     "device.code_refused": "Dieser Kopplungscode ist falsch, wurde schon benutzt oder ist älter als zehn"
     " Minuten; erstellen Sie einen neuen.",

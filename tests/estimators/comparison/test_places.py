@@ -41,7 +41,7 @@ def sigma_of(frames, point):
 
 
 def test_a_place_is_known_as_well_as_the_segments_that_carry_it():
-    """Against random turns of each segment about each axis, 20 000 of them: 1 % of a standard deviation."""
+    """Against random turns of each segment about each axis, 20 000 of them, to 3 %."""
     segments = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
     sigma_rad = np.radians([[9.0, 9.0, 9.0], [1.0, 2.0, 5.0], [0.5, 3.0, 1.0], [2.0, 1.0, 4.0]])
     generator = np.random.default_rng(7)

@@ -64,6 +64,12 @@ export function quantity(value: number | null | undefined, unit: string | null |
   return `${number(value * shown.factor, shown.digits)}${shown.suffix}`;
 }
 
+/** A value in the unit that it is weighed by in a sum: a length by the metre, others as they are shown. */
+export function weighedQuantity(value: number | null | undefined, unit: string | null | undefined): string {
+  if (unit !== 'm' || value === null || value === undefined || !Number.isFinite(value)) return quantity(value, unit);
+  return `${number(value, 3)} m`;
+}
+
 /** How far two values lie apart: between percentages in percentage points, which are not a share of either. */
 export function span(value: number | null | undefined, unit: string | null | undefined): string {
   const text = quantity(value, unit);

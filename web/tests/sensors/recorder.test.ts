@@ -162,7 +162,8 @@ describe('a gateway in the browser', () => {
     let isCut = false;
     vi.spyOn(store, 'forget').mockImplementation(async (...given) => {
       await forget(...given);
-      if (service.stored.size === 10 && !isCut) {
+      // An acknowledgement on its way may be of fewer than are stored: the link breaks with the last one.
+      if (service.stored.size === 10 && !isCut && (await store.count('s')) === 0) {
         isCut = true;
         service.breakLink();
       }

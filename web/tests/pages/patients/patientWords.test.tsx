@@ -1,7 +1,7 @@
 // Walks through every page that a patient can open, by every address there is, and reads every word on it.
 import { MantineProvider } from '@mantine/core';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
-import { act, configure, render, screen, waitFor } from '@testing-library/react';
+import { act, render, screen, waitFor } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider, type RouteObject } from 'react-router';
 import { afterEach, describe, expect, it, vi } from 'vitest';
@@ -12,7 +12,6 @@ import { analystWordsIn } from '../analystWords';
 import { answers, guide, health, layoutMessage, stateMessage } from '../patientData';
 
 // Each page is a piece of the program that is compiled when it is first opened.
-configure({ asyncUtilTimeout: 10_000 });
 vi.setConfig({ testTimeout: 20_000 });
 
 afterEach(() => {

@@ -123,7 +123,7 @@ it('weighs what the therapist weighs, and nothing else', async () => {
   const other = screen.getByRole('textbox', { name: 'Weight, for each °' });
   await userEvent.clear(other);
   await userEvent.type(other, '0');
-  expect(screen.getByText('Zero counts nothing and is not saved.')).toBeTruthy();
+  expect(screen.getByText('A weight of zero has no effect and is not saved.')).toBeTruthy();
   const { violations } = await axe.run(document.body, {
     rules: { 'color-contrast': { enabled: false }, region: { enabled: false } },
   });

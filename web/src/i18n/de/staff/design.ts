@@ -114,7 +114,7 @@ export const design: Translated<typeof english> = {
   'design.weightTemplate': 'Vorlage: {value}',
   'design.weight': 'Gewicht',
   'design.weightPer': 'Gewicht, je {unit}',
-  'design.weightZero': 'Null zählt nichts und wird nicht gespeichert.',
+  'design.weightZero': 'Ein Gewicht von null zählt nicht und wird nicht gespeichert.',
   'design.addWeight': 'Messgröße hinzufügen',
   'design.removeWeight': 'Aus der Summe entfernen: {measure}',
   'design.save': 'Als Version {number} speichern',

@@ -256,7 +256,7 @@ export const session = {
   'compare.moreCurves': 'Show all curves',
   'compare.fewerCurves': 'Show fewer curves',
   'compare.sum': 'Weighted sum',
-  'compare.sumLead': 'As weighed on the template; each part is the mean of the repetitions times its weight.',
+  'compare.sumLead': 'As weighted on the template; each part is the mean of the repetitions times its weight.',
   'compare.weight': 'Weight',
   'compare.part': 'Part',
   'compare.sumOf': 'Sum',

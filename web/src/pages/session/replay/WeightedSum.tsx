@@ -1,7 +1,7 @@
 // The sum that the therapist defined on the template, with every part of it: no number that hides what it is made of.
 import type { WeightedSum as Sum } from '../../../api/types';
 import { t } from '../../../i18n';
-import { number, plainTick, quantity, uncertain } from '../../../lib/format';
+import { number, plainTick, uncertain, weighedQuantity } from '../../../lib/format';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */
@@ -27,9 +27,9 @@ export function WeightedSum({ sum }: { sum: Sum }) {
               <th scope="row">
                 {one.label}
                 <span className="measure-note muted small">
-                  {quantity(one.value, one.unit)}
+                  {weighedQuantity(one.value, one.unit)}
                   {one.template_value !== null &&
-                    ` · ${t('design.weightTemplate', { value: quantity(one.template_value, one.unit) })}`}
+                    ` · ${t('design.weightTemplate', { value: weighedQuantity(one.template_value, one.unit) })}`}
                 </span>
               </th>
               <td className="number">× {plainTick(one.weight, WEIGHT_DIGITS)}</td>

@@ -3,13 +3,15 @@ import { ActionIcon, Button, NumberInput, Select } from '@mantine/core';
 import { IconPlus, IconTrash } from '@tabler/icons-react';
 import type { TemplateMeasure, WeightDesign } from '../../../api/types';
 import { t } from '../../../i18n';
-import { displayUnit, quantity } from '../../../lib/format';
+import { displayUnit, weighedQuantity } from '../../../lib/format';
 
 const MOST = 12;
+/** As the service takes it. */
+const MOST_WEIGHT = 1000;
 
 interface Props {
   weights: readonly WeightDesign[];
-  /** What a repetition beside this template is measured by. */
+  /** What a repetition is measured by when it is compared with this template. */
   measures: readonly TemplateMeasure[];
   onChange: (weights: WeightDesign[]) => void;
 }
@@ -34,7 +36,7 @@ export function Weights({ weights, measures, onChange }: Props) {
                 label={t('design.weightMeasure')}
                 description={
                   measure && measure.value !== null
-                    ? t('design.weightTemplate', { value: quantity(measure.value, measure.unit) })
+                    ? t('design.weightTemplate', { value: weighedQuantity(measure.value, measure.unit) })
                     : undefined
                 }
                 inputWrapperOrder={['label', 'input', 'description']}
@@ -48,10 +50,12 @@ export function Weights({ weights, measures, onChange }: Props) {
                 label={weightLabel(measure)}
                 w={170}
                 step={0.1}
+                min={-MOST_WEIGHT}
+                max={MOST_WEIGHT}
                 decimalScale={3}
                 value={part.weight}
                 error={part.weight === 0 && t('design.weightZero')}
-                onChange={(value) => typeof value === 'number' && set(index, { weight: value })}
+                onChange={(value) => set(index, { weight: Number(value) || 0 })}
               />
               <ActionIcon
                 size={44}
