@@ -103,7 +103,7 @@ class Leases:
         await asyncio.gather(*self._moving.values(), return_exceptions=True)
         # Nobody counts on this one from now on.
         await self._ignoring(self._broker.leases.delete(f"worker.{self._worker}"))
-        await asyncio.gather(*(self._give_back(one) for one in list(self._held)))
+        await asyncio.gather(*(self._give_back(one) for one in list(self._held)), return_exceptions=True)
 
     def _back(self) -> None:
         # What others wrote while the broker was away, or would have written, is awaited anew.
@@ -171,13 +171,19 @@ class Leases:
         await self._broker.leases.put(f"{_WORKER}{self._worker}", b"")
 
     async def _renew(self, partition: int) -> None:
-        revision, key = self._held[partition], _key(partition)
+        revision, key = self._held.get(partition), _key(partition)
+        if revision is None:
+            # Given back or lost since the turn began.
+            return
         renewed: int | None
         try:
             renewed = await self._broker.leases.update(key, self._worker.encode(), last=revision)
         except KeyWrongLastSequenceError:
             renewed = await self._own_revision(key)
         if partition not in self._held:
+            if renewed is not None:
+                # Given back meanwhile: what was deleted then was an earlier revision, if anything.
+                await self._ignoring(self._broker.leases.delete(key, last=renewed))
             return
         if renewed is None:
             logger.warning("the lease of partition %d is lost", partition)
@@ -262,17 +268,23 @@ class Leases:
             self._lose(partition)
             # The cause may last: others have their turn first.
             await asyncio.sleep(self._length_s / TURNS)
-            await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
+            # One that was lost meanwhile is another worker's by now.
+            if revision is not None:
+                await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
         else:
             if partition not in self._held:
                 # Lost while it was being taken.
                 self._holder.lose(partition)
 
     async def _give_back(self, partition: int) -> None:
-        await self._holder.give_back(partition)
-        revision = self._held.pop(partition, None)
-        if revision is not None:
-            await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
+        try:
+            await self._holder.give_back(partition)
+        except Exception:
+            logger.exception("partition %d was not given back as it should be", partition)
+        finally:
+            revision = self._held.pop(partition, None)
+            if revision is not None:
+                await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
 
     def _lose(self, partition: int) -> None:
         self._held.pop(partition, None)

@@ -11,6 +11,7 @@ from nats.aio.msg import Msg
 from nats.aio.subscription import Subscription
 from nats.js.errors import Error as StreamError
 from sqlalchemy import Engine
+from sqlalchemy.exc import SQLAlchemyError
 
 from app.database.unit_of_work import unit_of_work
 from app.errors import TelemotionError
@@ -56,7 +57,8 @@ class Partition:
     worker : str
         Name of the worker's connections to the database.
     refused : callable()
-        Called on the event loop when the database says that another holds the partition.
+        Called on the event loop when the database says that another holds the partition; no more once this one has
+        ended, for the same worker may hold the partition again by then.
     ask : async callable
         Answers HTTP requests.
     """
@@ -82,6 +84,7 @@ class Partition:
         self._subscriptions: list[Subscription] = []
         self._marks = Marks()
         self._is_set_up = False
+        self._has_ended = False
 
     async def take(self) -> None:
         """Fence earlier holders off, take up the sessions, and read on where they end."""
@@ -89,7 +92,7 @@ class Partition:
         fencing, stored = await asyncio.to_thread(take_over, self._engine, self.number, self._worker)
 
         def refused() -> None:
-            loop.call_soon_threadsafe(self._refused)
+            loop.call_soon_threadsafe(self._fenced_off)
 
         engine = self._fenced = fenced(self._engine, Fence(self.number, fencing, refused))
         self._writer = GroupCommitWriter(engine)
@@ -127,14 +130,15 @@ class Partition:
 
     async def give_back(self) -> None:
         """Read no more, store everything, and say how far that is."""
-        await self._stop_reading()
-        await self.sessions.closed()
         try:
+            await self._stop_reading()
+            await self.sessions.closed()
             await self._checkpoint(is_last=True)
-        except (TelemotionError, nats.errors.Error, StreamError) as error:
+        except (TelemotionError, SQLAlchemyError, nats.errors.Error, StreamError, TimeoutError) as error:
             logger.warning("partition %d: not stored at the end: %s", self.number, type(error).__name__)
-        self._end()
-        await asyncio.to_thread(self._writer.close)
+        finally:
+            self._end()
+            await asyncio.to_thread(self._writer.close)
         logger.info("partition %d was given back at %d", self.number, self._stored)
 
     def lose(self) -> None:
@@ -149,7 +153,12 @@ class Partition:
         if self._is_set_up:
             self.lose()
 
+    def _fenced_off(self) -> None:
+        if not self._has_ended:
+            self._refused()
+
     def _end(self) -> None:
+        self._has_ended = True
         self._entries.close()
         self.connections.close()
         self.sessions.leave()
@@ -208,9 +217,10 @@ class Partition:
 
     async def _checkpoint(self, *, is_last: bool = False) -> None:
         """Commit everything up to where the stream was taken, then say so, then forget that part of the stream."""
+        self.sessions.pooled.turn()
+        # Asked after the turn: packets that a session could not take in it are not stored yet.
         if self._entries.is_behind:
             return
-        self.sessions.pooled.turn()
         position = self._entries.taken(self.position)
         if position <= self._stored:
             return
