@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only
 from app.live.session.checkpoint import Checkpoint
+from app.live.session.states import OPEN
 from app.recordings.models import MotionSession
 from app.scaled.models import LiveCheckpoint, PartitionHold
 
@@ -27,7 +28,7 @@ def save(engine: Engine, partition: int, position: int, checkpoints: Mapping[str
         Fenced.
     partition, position : int
     checkpoints : mapping of str to Checkpoint
-        By session; the packets before each are stored. Those of sessions that are gone are left out.
+        By session; the packets before each are stored. Those of sessions that are gone or closed are left out.
     """
     with engine.begin() as connection:
         connection.execute(
@@ -39,7 +40,11 @@ def save(engine: Engine, partition: int, position: int, checkpoints: Mapping[str
             return
         there = set(
             connection.scalars(
-                select(_SESSIONS.c.id).where(_SESSIONS.c.id.in_(checkpoints)).with_for_update(key_share=True)
+                # Not deleted before this ends; who writes its state waits for nothing. Its holder closes it in a
+                # transaction of the same partition, which is over by now or comes after this one.
+                select(_SESSIONS.c.id)
+                .where(_SESSIONS.c.id.in_(checkpoints), _SESSIONS.c.state.in_(OPEN))
+                .with_for_update(read=True, key_share=True)
             )
         )
         rows = [

@@ -6,11 +6,16 @@ import pytest
 from sqlalchemy import Engine, make_url, text
 from sqlalchemy.exc import OperationalError
 
+from app.accounts.credentials.passwords import Passwords
 from app.database import migrate
 from app.database.engine import create_from_url
+from app.database.unit_of_work import unit_of_work
+from app.live.session.checkpoint import Checkpoint
+from app.recordings.models import MotionSession
 from app.scaled import fencing
-from app.scaled.checkpoints import save
+from app.scaled.checkpoints import load, save
 from app.scaled.fencing import Fence, FencedError, fenced, take_over
+from tests.app.conftest import build_world
 
 pytestmark = pytest.mark.postgres
 
@@ -26,7 +31,7 @@ def named(postgresql_database: Callable[[], str]) -> Iterator[Callable[[str], En
     made: list[Engine] = []
 
     def make(name: str) -> Engine:
-        of = make_url(url).update_query_dict({"application_name": name})
+        of = make_url(url).update_query_dict({"application_name": name, "options": "-c lock_timeout=5000"})
         made.append(create_from_url(of.render_as_string(hide_password=False)))
         fencing.install(made[-1])
         return made[-1]
@@ -72,6 +77,28 @@ def test_a_transaction_that_a_paused_holder_left_open_is_ended(named: Callable[[
     left_open.invalidate()
     with second.connect() as connection:
         assert connection.scalar(POSITION) == 0
+
+
+def test_only_sessions_that_are_open_have_a_checkpoint(
+    named: Callable[[str], Engine], cheap_passwords: Passwords
+) -> None:
+    engine = named("first")
+    world = build_world(engine, cheap_passwords)
+    with unit_of_work(engine) as session:
+        for state in ("recording", "closing"):
+            fields = {
+                "clinic_id": world.clinic_id,
+                "patient_id": world.patient_id,
+                "setup": {},
+                "created_by": "x",
+            }
+            session.add(MotionSession(id=state, state=state, **fields))
+    given = dict.fromkeys(("recording", "closing", "gone"), Checkpoint(1, 7, b"data"))
+    # Whoever writes a session's row at this moment is not waited for.
+    with engine.begin() as other:
+        other.execute(text("UPDATE motion_session SET packets_stored = 1"))
+        save(held(engine, "first", []), PARTITION, 10, given)
+    assert [load(engine, name) for name in given] == [given["recording"], None, None]
 
 
 def test_reading_needs_no_right(named: Callable[[str], Engine]) -> None:

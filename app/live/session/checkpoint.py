@@ -18,10 +18,10 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
+from app.live.engine.lane import Parts
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from estimators import pipelines
-from estimators.errors import ShapeError
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
@@ -102,7 +102,7 @@ def capture(session: LiveSession) -> "State | None":
 def pack(state: State) -> Checkpoint:
     """Return a state as it is stored."""
     packed = _Packed(state.key, state.clock, {name: _to_npy(one) for name, one in state.arrays.items()})
-    data = zstandard.ZstdCompressor(level=1).compress(msgspec.msgpack.encode(packed))
+    data = zstandard.ZstdCompressor(level=1, write_checksum=True).compress(msgspec.msgpack.encode(packed))
     return Checkpoint(LAYOUT, state.clock[0] + 1, data)
 
 
@@ -117,21 +117,31 @@ def resume(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
     """
     if checkpoint is None or checkpoint.layout != LAYOUT:
         return False
-    state = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(checkpoint.data), type=_Packed)
     parts = session.now
-    if state.key != key_of(parts.pipeline, parts.clock.declaration):
-        return False
-    arrays = {name: _from_npy(content) for name, content in state.arrays.items()}
+    declaration = parts.clock.declaration
     try:
+        state = _unpack(checkpoint.data)
+        if state.key != key_of(parts.pipeline, declaration):
+            return False
         # One that does not fit after all must leave no trace.
-        pipelines.create(parts.pipeline.setup).restore(_below(arrays, _PIPELINE))
-    except ShapeError as error:
-        logger.warning("a checkpoint of session %s does not fit: %s", session.id, error.message)
+        _restore(Parts(declaration, pipelines.create(parts.pipeline.setup), 0), state)
+    except Exception as error:
+        # Whatever is wrong with it: the packets are there, and other sessions are to be taken up as well.
+        logger.warning("the checkpoint of session %s cannot be read: %s", session.id, type(error).__name__)
         return False
-    parts.pipeline.restore(_below(arrays, _PIPELINE))
-    parts.aligner.restore(_below(arrays, _ALIGNER))
-    parts.clock.restore(state.clock)
+    _restore(parts, state)
     return True
+
+
+def _unpack(data: bytes) -> State:
+    packed = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(data), type=_Packed)
+    return State(packed.key, packed.clock, {name: _from_npy(one) for name, one in packed.arrays.items()})
+
+
+def _restore(parts: Parts, state: State) -> None:
+    parts.pipeline.restore(_below(state.arrays, _PIPELINE))
+    parts.aligner.restore(_below(state.arrays, _ALIGNER))
+    parts.clock.restore(state.clock)
 
 
 def _to_npy(values: NDArray[Any]) -> bytes:

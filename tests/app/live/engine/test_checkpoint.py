@@ -1,7 +1,7 @@
 """A session that moves to another machine goes on from its checkpoint with the bits of one that stayed."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,8 @@ from app.limits import Limits
 from app.live import repository
 from app.live.bus import MemoryBus, topic
 from app.live.manager import LiveManager
-from app.live.session.checkpoint import Checkpoint, capture, pack
+from app.live.session import rebuild
+from app.live.session.checkpoint import Checkpoint, State, capture, pack, resume
 from app.live.session.runner import LiveSession
 from app.live.warmup import FIRST, warm_up
 from app.network.declaration import Declaration
@@ -65,7 +66,7 @@ async def settled(session: LiveSession) -> LiveSession:
     return session
 
 
-Choose = Callable[[Checkpoint], Checkpoint | None]
+Choose = Callable[[State], Checkpoint | None]
 
 
 async def moved_and_not(
@@ -88,14 +89,13 @@ async def moved_and_not(
         old = await settled(first.live(moves.intake.session_id))
         state = capture(old)
         assert state is not None
-        checkpoint = pack(state)
         for sender in (stays, moves):
             at_s = give(first, sender, packets[marked:moved], 100.0 + 0.05 * marked)
         await settled(old)
         await asyncio.wrap_future(first.writer.flush(old.id))
         await old.saved()
 
-        second._opener = replace(second._opener, checkpoint=lambda _: choose(checkpoint))
+        second._opener = replace(second._opener, checkpoint=lambda _: choose(state))
         stored = await asyncio.to_thread(repository.load, engine, old.id)
         new = await second.join(stored, Declaration.from_dict(stored.hello or {}))
         listeners = [
@@ -114,22 +114,108 @@ async def moved_and_not(
             await asyncio.to_thread(one.writer.close)
 
 
+def other_layout(state: State) -> Checkpoint:
+    made = pack(state)
+    return replace(made, layout=made.layout + 1, data=b"of an unknown layout")
+
+
+def damaged(state: State) -> Checkpoint:
+    made = pack(state)
+    middle = len(made.data) // 2
+    return replace(made, data=made.data[:middle] + bytes([made.data[middle] ^ 1]) + made.data[middle + 1 :])
+
+
+def without(state: State, begin: str) -> Checkpoint:
+    arrays = {name: one for name, one in state.arrays.items() if not name.startswith(begin)}
+    assert len(arrays) < len(state.arrays)
+    return pack(replace(state, arrays=arrays))
+
+
+UNFIT: Mapping[str, Choose] = {
+    "damaged": damaged,
+    "cut_off": lambda state: replace(pack(state), data=pack(state).data[:-100]),
+    "not_compressed": lambda state: replace(pack(state), data=b"not a checkpoint"),
+    "no_pipeline": lambda state: without(state, "pipeline."),
+    "no_rows": lambda state: without(state, "aligner.rows"),
+    "other_version": lambda state: pack(replace(state, key=bytes(16))),
+    "other_layout": other_layout,
+}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "choose",
-    [
-        lambda made: made,
-        lambda made: None,
-        lambda made: replace(made, layout=made.layout + 1, data=b"of a layout that nobody here knows"),
-    ],
-    ids=["checkpoint", "no_checkpoint", "other_layout"],
+    ("choose", "goes_on"),
+    [(pack, True), (lambda _: None, False), (damaged, False), (other_layout, False)],
+    ids=["checkpoint", "no_checkpoint", "damaged", "other_layout"],
 )
 def test_no_bit_differs_after_a_move(
-    machine: Callable[[], LiveManager], world: Any, engine: Engine, choose: Choose
+    machine: Callable[[], LiveManager],
+    world: Any,
+    engine: Engine,
+    choose: Choose,
+    goes_on: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    resumed: list[bool] = []
+
+    def noted(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
+        resumed.append(resume(session, checkpoint))
+        return resumed[-1]
+
+    monkeypatch.setattr(rebuild, "resume", noted)
     shown, states = asyncio.run(moved_and_not(machine, world, engine, choose))
+    assert resumed == [goes_on]
     assert len(shown[0]["ticks"]) > 500
     assert shown[0] == shown[1]
     assert states[0].keys() == states[1].keys()
     for name, values in states[0].items():
         assert values.tobytes() == states[1][name].tobytes(), name
+
+
+@pytest.mark.slow
+def test_a_checkpoint_that_does_not_fit_is_left_without_a_trace(
+    machine: Callable[[], LiveManager], world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calibration, whole = swaying(6.0)
+    remember(engine, world.patient_id, calibration)
+    stream = worn(whole, ARM)
+
+    def traces(session: LiveSession) -> list[object]:
+        parts = session.now
+        found = {name: one.tobytes() for name, one in parts.pipeline.state().items()}
+        return [found, parts.clock.state(), parts.aligner.next_sequence]
+
+    async def story(manager: LiveManager) -> None:
+        old, new = [
+            manager.live(
+                (await connected(manager, world.subjects["therapist"], world.patient_id, stream)).session_id
+            )
+            for _ in range(2)
+        ]
+        give(
+            manager,
+            Sender(manager._intakes[old.id]),
+            packets_of(stream, FAULTS, np.random.default_rng(3)),
+            100.0,
+        )
+        state = capture(await settled(old))
+        assert state is not None
+        before = traces(new)
+        for name, choose in UNFIT.items():
+            assert not resume(new, choose(state)), name
+            assert traces(new) == before, name
+        with monkeypatch.context() as patch:
+            patch.setattr(type(new.now.pipeline), "version", "another")
+            assert not resume(new, pack(state))
+        assert resume(new, pack(state))
+        gone_on = capture(new)
+        assert gone_on is not None
+        assert pack(gone_on) == pack(state)
+
+    manager = machine()
+    try:
+        asyncio.run(story(manager))
+    finally:
+        manager.end_checks()
+        manager._check_process.close()
+        manager.writer.close()
