@@ -215,7 +215,12 @@ class LiveManager(SteeredSide):
         return intake
 
     async def join(
-        self, stored: repository.StoredSession, declaration: Declaration, subject: Subject | None = None
+        self,
+        stored: repository.StoredSession,
+        declaration: Declaration,
+        subject: Subject | None = None,
+        *,
+        is_admitted: bool = False,
     ) -> LiveSession:
         """Return the live session of a stored one, opened when it is not live yet; raises as `open`.
 
@@ -225,13 +230,15 @@ class LiveManager(SteeredSide):
         declaration : Declaration
         subject : Subject, optional
             Whose limits count a session that is opened.
+        is_admitted : bool
+            Open it also where there is no room: packets of it were acknowledged already.
         """
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
             if stored.id in self._closing:
                 raise Conflict(say("live.closed"), state="closing")
             session = self._sessions.get(stored.id)
             if session is None:
-                if stored.state == "created":
+                if stored.state == "created" and not is_admitted:
                     self._admit(stored.id)
                 hold = None if subject is None else self._limits.take("streams", subject)
                 self._being_opened.add(stored.id)

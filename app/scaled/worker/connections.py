@@ -75,7 +75,7 @@ class Connections:
         before = self._by_session.pop(session.id, None)
         if before is not None:
             before.end()
-        # Whether a gateway keeps its right is looked at by its edge.
+        # Whether a gateway still has its right is checked by its edge.
         intake = self._sessions.attach(session, partial(asyncio.sleep, 0))
         made = self._by_session[session.id] = Connection(connection, edge, session.id, intake)
         if session.actuation is not None:
@@ -105,13 +105,6 @@ class Connections:
                     await connection.stopped.wait()
                     return True
         return False
-
-    def go_on(self, session_id: str) -> None:
-        """Have packets taken again: the session was not closed after all."""
-        connection = self._by_session.get(session_id)
-        if connection is not None:
-            connection.is_stopping = False
-            connection.stopped.clear()
 
     def take(self, entry: GivenUpEntry | GoodbyeEntry | LeftEntry | StoppedEntry) -> None:
         """Take what a gateway's connection says of itself."""

@@ -142,7 +142,11 @@ class Entries:
                 declared = stored.hello if hello is None else hello.declaration
                 if declared is None:
                     raise Conflict(say("live.not_connected"))
-                return await self._sessions.join(stored, Declaration.from_dict(declared))
+                # Packets that were acknowledged do not wait until there is room.
+                is_admitted = hello is None or opening.has_packets
+                return await self._sessions.join(
+                    stored, Declaration.from_dict(declared), is_admitted=is_admitted
+                )
             except Unavailable as found:
                 error = found
             except TelemotionError as found:

@@ -128,5 +128,12 @@ def test_a_new_session_waits_outside_and_one_that_streamed_comes_back(
         turn(manager, 1.0)
         await hello(manager, made)
         await hello(manage(1.0), made)
+        # Packets of a new one were acknowledged already.
+        with unit_of_work(engine) as session:
+            acknowledged = service.create(session, subject, wanted).id
+        stored = repository.load(engine, acknowledged)
+        with pytest.raises(Unavailable):
+            await manager.join(stored, intake.declaration)
+        await manager.join(stored, intake.declaration, is_admitted=True)
 
     asyncio.run(story())
