@@ -117,7 +117,7 @@ bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its 
 bench-kills: $(VENV)/compiled ## Kill edges, workers, NATS and PostgreSQL again and again; SESSIONS=6
 	@$(BIN)/python -m tests.benchmarks.scaled.kills --sessions $(or $(SESSIONS),6)
 
-bench-scaled: $(VENV)/compiled ## Processor cost of a live session in edge, broker, worker and database, beside one process
+bench-scaled: $(VENV)/compiled ## Processor cost of a live session in edge, broker, worker and database, and in one process
 	@$(BIN)/python -m tests.benchmarks.scaled.costs
 
 bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother

@@ -121,7 +121,7 @@ class Cluster:
         """Return the end of what a process wrote."""
         return (self.folder / f"{name}.log").read_text(errors="replace")[-8000:]
 
-    def keep_logs(self, folder: Path) -> None:
+    def copy_logs(self, folder: Path) -> None:
         """Copy what the processes wrote to a folder."""
         folder.mkdir(parents=True, exist_ok=True)
         for log in self.folder.glob("*.log"):

@@ -144,7 +144,7 @@ def main() -> int:
             going, stored = asyncio.run(run(cluster, database, stream, arguments.sessions, names))
             print(f"took {time.monotonic() - began_s:.0f} s")
             if not stored.is_whole:
-                going.cluster.keep_logs(Path("var/scaled-kills"))
+                going.cluster.copy_logs(Path("var/scaled-kills"))
         theirs = None
         if not arguments.no_embedded:
             (folder / "one").mkdir(mode=0o700)

@@ -1,4 +1,4 @@
-"""Placement and failover on paper keep what the service itself keeps."""
+"""Placement and failover on paper obey the rules of the service itself."""
 
 import numpy as np
 import pytest
