@@ -23,6 +23,7 @@ from nats.js.kv import KeyValue
 
 from app.scaled.broker import Broker
 from app.scaled.placement import share_of
+from app.scaled.worker.ending import end
 from app.scaled.worker.presence import Presence
 
 logger = logging.getLogger(__name__)
@@ -97,9 +98,7 @@ class Leases:
 
     async def stop(self) -> None:
         """Give every partition back, so that others take them at once."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await end(self._tasks)
         await asyncio.gather(*self._moving.values(), return_exceptions=True)
         # Nobody counts on this one from now on.
         await self._ignoring(self._broker.leases.delete(f"worker.{self._worker}"))

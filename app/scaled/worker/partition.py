@@ -24,6 +24,7 @@ from app.scaled.checkpoints import forget, save
 from app.scaled.fencing import Fence, fenced, take_over
 from app.scaled.wire import Answer, Request, decode_entries, subject
 from app.scaled.worker.connections import Connections
+from app.scaled.worker.ending import end
 from app.scaled.worker.entries import Entries
 from app.scaled.worker.marks import Marks
 from app.scaled.worker.outlet import Outlet
@@ -131,7 +132,7 @@ class Partition:
     async def give_back(self) -> None:
         """Read no more, store everything, and say how far that is."""
         try:
-            await self._stop_reading()
+            await end(self._tasks)
             await self.sessions.closed()
             await self._checkpoint(is_last=True)
         except (TelemotionError, SQLAlchemyError, nats.errors.Error, StreamError, TimeoutError) as error:
@@ -165,11 +166,6 @@ class Partition:
         self._outlet.close()
         closing = [one.unsubscribe() for one in self._subscriptions]
         self._unsubscribing = asyncio.ensure_future(_all(closing))
-
-    async def _stop_reading(self) -> None:
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
 
     # --- the stream ---------------------------------------------------------------------------------------
 
