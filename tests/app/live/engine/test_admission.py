@@ -15,6 +15,7 @@ from app.live.admission import FULL, MOST_BUSY, USUAL_COST, WINDOW_S, Admission
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.live.session.intake import Intake
+from app.live.warmup import FIRST, warm_up
 from app.network.declaration import check_hello
 from app.network.packet import decode_packet
 from app.recordings import service
@@ -92,6 +93,8 @@ def test_the_thread_is_measured() -> None:
 def test_a_new_session_waits_outside_and_one_that_streamed_comes_back(
     engine: Engine, settings: Settings, world: Any
 ) -> None:
+    # Loading may take longer than a session's gateway waits, where much else runs.
+    warm_up(FIRST)
     _, stream = swaying(1.0)
     subject = world.subjects["therapist"]
 
