@@ -13,6 +13,8 @@ from app.recordings.schemas import SessionIn
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
 Message = dict[str, Any]
+PREPARING_S = 120.0
+"""Where much else runs, kernels load later than a gateway waits."""
 
 
 async def new_session(client: ServiceClient, patient_id: str, stream: DeviceStream) -> str:
@@ -24,12 +26,17 @@ async def new_session(client: ServiceClient, patient_id: str, stream: DeviceStre
 async def gateway(
     client: ServiceClient, session_id: str, stream: DeviceStream
 ) -> AsyncIterator[ClientConnection]:
-    """A connection after its hello was acknowledged."""
-    async with connect(client.ingest_url, proxy=None) as socket:
-        hello = stream.hello(await client.ticket(session_id))
-        await socket.send(hello.model_dump_json(exclude_none=True))
-        answer = json.loads(await socket.recv())
-        assert answer["type"] == "acknowledge", answer
+    """A connection after its hello was acknowledged; it comes again while the service is being prepared."""
+    async with contextlib.AsyncExitStack() as stack, asyncio.timeout(PREPARING_S) as patience:
+        while True:
+            socket = await stack.enter_async_context(connect(client.ingest_url, proxy=None))
+            hello = stream.hello(await client.ticket(session_id))
+            await socket.send(hello.model_dump_json(exclude_none=True))
+            answer = json.loads(await socket.recv())
+            if answer["type"] == "acknowledge":
+                break
+            assert answer["details"].get("reason") == "preparing", answer
+        patience.reschedule(None)
         yield socket
 
 
