@@ -361,7 +361,7 @@ def _take(
     """Place one packet, or leave it: to the general way, or until there is room for its frames."""
     s = item.slot
     channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
-    if x.blocked == 0:
+    if x.blocked == ORDINARY:
         if x.frame_row + MOST_TICKS > frame_rows:
             x.blocked = FULL
         elif not (

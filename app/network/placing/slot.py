@@ -45,7 +45,7 @@ SLOT: Final = record(
         ("count_clip", "f8", 2),
         # Row, among those of the session, for the frames of the next tick.
         ("frame_row", "i8"),
-        # Status of a packet that was not taken in this turn, else zero: those behind it wait with it.
+        # Status of a packet that was not taken in this turn, else ordinary: those behind it wait with it.
         ("blocked", "i8"),
     ]
 )

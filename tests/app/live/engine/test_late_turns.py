@@ -11,7 +11,16 @@ from app.live.engine import turns
 from app.live.engine.pools import FRAME_ROWS
 from app.live.manager import LiveManager
 from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
-from tests.app.live.engine.test_both_ways import ARM, SECONDS, manager, no_checks, pair_of, stands, stored
+from tests.app.live.engine.test_both_ways import (
+    ARM,
+    SECONDS,
+    Pair,
+    manager,
+    no_checks,
+    pair_of,
+    stands,
+    stored,
+)
 from tests.app.live.live_load import remember, swaying
 
 __all__ = ["manager", "no_checks"]
@@ -20,18 +29,25 @@ TOGETHER = 4
 PLAIN = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
 
 
+async def begun(manager: LiveManager, world: Any, engine: Engine) -> tuple[Pair, list[bytes]]:
+    """Two sessions of a plain stream that have taken its first packet, and all its packets."""
+    calibration, whole = swaying(SECONDS)
+    remember(engine, world.patient_id, calibration)
+    stream = worn(whole, ARM)
+    pair = await pair_of(manager, world, stream)
+    packets = packets_of(stream, PLAIN, np.random.default_rng(0))
+    pair.give(packets[:1], np.random.default_rng(0))
+    return pair, packets
+
+
 def test_a_late_turn_shows_the_newest_and_stores_everything(
     manager: LiveManager,
     world: Any,
     engine: Engine,
 ) -> None:
     async def run() -> None:
-        calibration, whole = swaying(SECONDS)
-        remember(engine, world.patient_id, calibration)
-        stream = worn(whole, ARM)
-        pair = await pair_of(manager, world, stream)
-        packets = packets_of(stream, PLAIN, np.random.default_rng(0))[:81]
-        pair.give(packets[:1], np.random.default_rng(0))
+        pair, packets = await begun(manager, world, engine)
+        packets = packets[:81]
         before = len(pair.frames[1].take())
         at_s = 200.0
         for number, data in enumerate(packets[1:]):
@@ -62,13 +78,8 @@ def test_a_pause_of_the_link_does_not_leave_the_compiled_way(
     """What has waited comes at once, more than there are rows for its frames."""
 
     async def run() -> None:
-        calibration, whole = swaying(SECONDS)
-        remember(engine, world.patient_id, calibration)
-        stream = worn(whole, ARM)
-        pair = await pair_of(manager, world, stream)
-        packets = packets_of(stream, PLAIN, np.random.default_rng(0))
+        pair, packets = await begun(manager, world, engine)
         assert 5 * len(packets) > FRAME_ROWS
-        pair.give(packets[:1], np.random.default_rng(0))
         rare = manager.pooled.rare
         for number, data in enumerate(packets[1:]):
             at_s = 200.0 + 0.05 * number
