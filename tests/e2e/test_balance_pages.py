@@ -13,8 +13,6 @@ from tests.app.live.standing import new_balance_test, stream_balance_test
 from tests.e2e.conftest import Service, Visitor, apart, serving
 from tests.e2e.test_pages import serious, settle
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:

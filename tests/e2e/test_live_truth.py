@@ -17,8 +17,6 @@ from playwright.sync_api import Browser, expect
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
 from tests.e2e.conftest import ROOT, Service, Visitor, serving
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 SOON_MS = 3000
 AGAIN_MS = 30_000
 

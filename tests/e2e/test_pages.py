@@ -8,8 +8,6 @@ from playwright.sync_api import Page
 from app.demo.people import ADMINISTRATOR, PATIENTS, THERAPIST
 from tests.e2e.conftest import ROOT, House, Visitor
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 PATIENT = PATIENTS[0].email
 TABLET = 1024
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"

@@ -8,8 +8,6 @@ import pytest
 
 from tests.e2e.conftest import ROOT
 
-pytestmark = pytest.mark.e2e
-
 MOST_BYTES = 250_000
 BUILT = ROOT / "web" / "dist"
 SHOWN_AT_ONCE = {

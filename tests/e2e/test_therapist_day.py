@@ -4,7 +4,6 @@ import re
 import time
 import zipfile
 
-import pytest
 from playwright.sync_api import expect
 
 from app.demo.people import PASSWORD, THERAPIST
@@ -12,8 +11,6 @@ from app.gateway import ServiceClient
 from tests.e2e.conftest import House, Visitor, apart
 from tests.e2e.sensors.clinic_gateway import PACE, Gateway
 from tests.e2e.test_pages import serious, settle
-
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
 
 
 def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: House) -> None:

@@ -25,8 +25,6 @@ from app.settings import Settings
 from app.viewer.service import Viewer
 from tests.app.viewer.stored_reaches import Recorded, compared_reaches, store
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 
 @dataclass
 class Running:

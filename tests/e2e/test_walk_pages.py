@@ -13,8 +13,6 @@ from app.recordings.schemas import UploadIn
 from tests.e2e.conftest import House, Visitor, apart
 from tests.e2e.test_pages import serious, settle
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 FEET = Path(__file__).parents[1] / "data" / "feet"
 SECONDS, RATE_HZ = 20.0, 204.8
 

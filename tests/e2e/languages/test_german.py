@@ -12,8 +12,6 @@ from app.ingest.client_words import english
 from app.sentences.german import GERMAN
 from tests.e2e.conftest import ROOT, House, Visitor
 
-pytestmark = pytest.mark.e2e
-
 KEY = re.compile(r"^\s+'[\w.]+':\s*(.+?)(?=^\s+'[\w.]+':|^\})", re.MULTILINE | re.DOTALL)
 QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'")
 PLACE = re.compile(r"\{[^}]*\}")

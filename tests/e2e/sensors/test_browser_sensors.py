@@ -12,8 +12,6 @@ from tests.e2e.conftest import Service, Visitor, apart, serving
 from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay, relaying
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 MOVEMENT_S = 14.0
 BROKEN_S = 5.0

@@ -41,8 +41,6 @@ from tests.e2e.sensors.evenings import (
     put_on,
 )
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
-
 PATIENT = PATIENTS[0]
 GOAL = 5
 GOOD = (SOUND,) * GOAL

@@ -22,7 +22,6 @@ from tests.app.live.guided import N_POSE_S, SHORT, SOUND, Performed, performed, 
 from tests.e2e.conftest import Service, Visitor, serving
 from tests.e2e.test_pages import serious
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow]
 PATIENT = PATIENTS[0]
 AT_REST_S = N_POSE_S + 1.6
 SLOW = 6.0
