@@ -13,7 +13,7 @@ from app.accounts.models import Account, Clinic, Consent
 from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
-from app.exercises.models import Exercise
+from app.exercises.models import Exercise, Posture
 from app.patients.models import Grant, Patient
 from estimators.conventions import Side
 from estimators.gait import GuidedKind
@@ -72,6 +72,7 @@ class DemoExercise:
     side: Side
     primary_angle: str
     description: str
+    posture: Posture = "standing"
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ EXERCISES: Final = (
         "right",
         "humerus_forearm_right_zxy_flexion",
         "Sit upright, hand in the lap. Reach forward until the elbow is almost straight, pause, come back.",
+        "seated",
     ),
     DemoExercise(
         "Raise the arm to the side",
@@ -114,21 +116,23 @@ EXERCISES: Final = (
         "drinking",
         "right",
         "humerus_forearm_right_zxy_flexion",
-        "Reach for the cup, bring it to the mouth, put it back.",
+        "Sit at the table. Reach for the cup, bring it to the mouth, put it back.",
+        "seated",
     ),
     DemoExercise(
         "Raise the arm to the front",
         "flexion",
         "right",
         "thorax_humerus_right_yxy_elevation",
-        "Lift the straight arm forward to shoulder height, lower it slowly.",
+        "Stand upright. Lift the straight arm forward to shoulder height, lower it slowly.",
     ),
     DemoExercise(
         "Turn the forearm",
         "pronation",
         "right",
         "humerus_forearm_right_zxy_pronation",
-        "Elbow at the body, bent to a right angle. Turn the palm up and down.",
+        "Sit upright, elbow at the body, bent to a right angle. Turn the palm up and down.",
+        "seated",
     ),
 )
 
@@ -173,6 +177,7 @@ def seed_people(engine: Engine) -> None:
                     movement=exercise.movement,
                     side=exercise.side,
                     primary_angle=exercise.primary_angle,
+                    posture=exercise.posture,
                 )
             )
         for walk in WALKS:

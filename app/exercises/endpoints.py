@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from app.accounts.dependencies import CurrentAccount
 from app.database.dependencies import ReadSession, WriteSession
 from app.exercises import repository
-from app.exercises.schemas import ExerciseIn, ExerciseOut
+from app.exercises.schemas import ExerciseChange, ExerciseIn, ExerciseOut
 
 router = APIRouter(prefix="/api", tags=["exercises"])
 
@@ -31,6 +31,14 @@ def create_exercise(body: ExerciseIn, subject: CurrentAccount, session: WriteSes
 def read_exercise(exercise_id: str, subject: CurrentAccount, session: ReadSession) -> ExerciseOut:
     """Return an exercise."""
     return ExerciseOut.model_validate(repository.get_exercise(session, subject, exercise_id))
+
+
+@router.patch("/exercises/{exercise_id}")
+def change_exercise(
+    exercise_id: str, body: ExerciseChange, subject: CurrentAccount, session: WriteSession
+) -> ExerciseOut:
+    """Change the name, the words or the posture of an exercise of the clinic."""
+    return ExerciseOut.model_validate(repository.change_exercise(session, subject, exercise_id, body))
 
 
 @router.delete("/prescriptions/{prescription_id}", status_code=204)

@@ -1,12 +1,15 @@
 """Tables of exercises, templates and prescriptions."""
 
 from datetime import datetime
-from typing import Any
+from typing import Any, Literal
 
 from sqlalchemy import JSON, Boolean, Float, ForeignKey, Integer, LargeBinary, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime
+
+Posture = Literal["standing", "seated"]
+"""How an exercise is done."""
 
 
 class Exercise(Identified, Base):
@@ -22,6 +25,8 @@ class Exercise(Identified, Base):
     side: Mapped[str] = mapped_column(String(10), default="right")
     primary_angle: Mapped[str] = mapped_column(String(80))
     """Joint angle whose range is the main measure of progress; empty for walks."""
+    posture: Mapped[Posture] = mapped_column(String(10), default="standing", server_default="standing")
+    """Segments without a sensor are drawn in it."""
 
 
 class Template(Identified, Base):

@@ -12,7 +12,7 @@ from app.database.base import new_id, utc_now
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, Template
-from app.exercises.schemas import ExerciseIn, PrescriptionIn
+from app.exercises.schemas import ExerciseChange, ExerciseIn, PrescriptionIn
 from app.patients.access import require_patient
 from app.sentences import say
 from estimators.arm import MODEL_ANGLES
@@ -71,8 +71,7 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
     InvalidInput
         The primary angle is not a joint angle of the exercise's side.
     """
-    if subject.role not in {"therapist", "administrator", "system"}:
-        raise NotAllowed(say("exercise.create_not_allowed"))
+    _require_staff(subject)
     known = [""] if body.movement in GUIDED_KINDS else joint_angles(body.side)
     if body.primary_angle not in known:
         raise InvalidInput(
@@ -85,6 +84,38 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
     session.flush()
     audit.record(session, subject, "exercise.create", None, exercise.id)
     return exercise
+
+
+def change_exercise(session: Session, subject: Subject, exercise_id: str, body: ExerciseChange) -> Exercise:
+    """Change what an exercise of the clinic is called, its words, or how it is done.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        A therapist or administrator.
+    exercise_id : str
+    body : ExerciseChange
+
+    Raises
+    ------
+    NotAllowed
+        Another role.
+    NotFound
+        No such exercise in this clinic.
+    """
+    _require_staff(subject)
+    exercise = get_exercise(session, subject, exercise_id)
+    for name, value in body.model_dump(exclude_unset=True).items():
+        setattr(exercise, name, value)
+    session.flush()
+    audit.record(session, subject, "exercise.change", None, exercise.id)
+    return exercise
+
+
+def _require_staff(subject: Subject) -> None:
+    if subject.role not in {"therapist", "administrator", "system"}:
+        raise NotAllowed(say("exercise.create_not_allowed"))
 
 
 def joint_angles(side: str) -> list[str]:

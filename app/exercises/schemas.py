@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from app.exercises.design import PhaseDesign, StopDesign, TemplateDesign
+from app.exercises.models import Posture
 from app.schemas import Flag, Moment, Schema, Spoken, may_be_absent
 
 
@@ -28,12 +29,22 @@ class ExerciseIn(Schema):
     side: Literal["left", "right"] = "right"
     primary_angle: str = Field(default="", max_length=80)
     """Empty for walks, which are judged by time and distance."""
+    posture: Posture = "standing"
+    """How it is done; the figure sits when the exercise does."""
 
 
 class ExerciseOut(ExerciseIn):
     """An exercise."""
 
     id: str
+
+
+class ExerciseChange(Schema):
+    """Change how an exercise is called, described or shown; what is measured stays."""
+
+    name: str = may_be_absent(min_length=1, max_length=200)
+    description: str = may_be_absent(max_length=2000)
+    posture: Posture = may_be_absent()
 
 
 class RepetitionOut(Spoken):

@@ -117,8 +117,9 @@ class CameraCommand(Schema):
     """Browser to `/ws/views/{view}`: turn the view by key or button; say whether the page is dark."""
 
     type: Literal["camera"] = "camera"
-    preset: Literal["start", "front", "side", "top", "arm"] | None = None
-    """`start`: half from the side, as when opened; `side`: that of the exercise's arm; `arm`: close to it."""
+    preset: Literal["start", "front", "side", "top", "arm", "movement"] | None = None
+    """`start`: half from the side, as when opened; `side`: that of the exercise's arm; `arm`: close to it; `movement`:
+    from where the template's movement is large."""
     turn_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
     """Walk around the patient, counter-clockwise seen from above."""
     tilt_deg: float = Field(default=0.0, ge=-90.0, le=90.0)

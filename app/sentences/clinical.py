@@ -7,7 +7,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "caseload.due_also": "{before}; {name}: {dose}",
     "prescription.not_found": "Prescription not found, or not shared with you.",
     "exercise.not_found": "Exercise not found in your clinic.",
-    "exercise.create_not_allowed": "Only therapists and administrators can add exercises.",
+    "exercise.create_not_allowed": "Only therapists and administrators can add or change exercises.",
     "prescription.no_such_template": "There is no such template of this exercise for this patient.",
     "prescription.ends_before_start": "A prescription must end after it starts.",
     "prescription.time_needs_zone": "A time needs its time zone, for instance 2030-01-31T12:00:00Z.",

@@ -4,11 +4,15 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from viser import _messages as viser_messages
 
+from app.exercises.models import Posture
+from app.viewer.figure.proportions import hip_height_m
 from estimators.body import BodyDimensions
 
-Preset = Literal["start", "front", "side", "top", "arm"]
+Preset = Literal["start", "front", "side", "top", "arm", "movement"]
 Point = tuple[float, float, float]
 
 FIELD_OF_VIEW_RAD: Final = math.radians(32.0)
@@ -32,6 +36,72 @@ _WALK_PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
     "top": (180.0, 86.0, 0.00, 1.05, 1.25),
     "arm": (46.0, 24.0, 0.03, 0.45, 0.50),
 }
+# Without a template the kind of movement says what is known of it.
+_OF_MOVEMENT: Final[dict[str, Preset]] = {
+    "abduction": "front",
+    "pronation": "arm",
+    "flexion": "side",
+    "reaching": "side",
+    "drinking": "side",
+}
+# Never from behind, where the trunk hides the hand: a little past the side, and a little across the front.
+_FARTHEST_ROUND_DEG, _FARTHEST_ACROSS_DEG = 100, -30
+_AS_GOOD: Final = 0.97
+_LOWER: Final = 0.3
+"""Share of the way down to the seat that the middle of the picture goes: who stands up again is in it as well."""
+_SMALL_M: Final = 0.15
+"""A hand that goes no farther is looked at from near by."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """From where a movement is seen best.
+
+    Attributes
+    ----------
+    azimuth_deg : float
+        From straight ahead of the patient toward the arm that moves.
+    is_near : bool
+        Whether it is so small that one comes near.
+    """
+
+    azimuth_deg: float
+    is_near: bool
+
+
+def best_sight(points_m: NDArray[np.float64], side: str) -> Sight:
+    """Return from where the movement of points is large.
+
+    Parameters
+    ----------
+    points_m : ndarray, shape (K, N, 3)
+        Places in the room over a movement: the end of the hand first, then others that move with it.
+    side : {"left", "right"}
+        The arm that moves.
+
+    Returns
+    -------
+    Sight
+        Among the directions of which the picture shows the movement as large as the best one does, but for 3 %, the
+        one nearest to half from the side, where depth can be seen as well.
+
+    Notes
+    -----
+    How large a picture shows it: root of the sum of squares of what stands across the line of sight,
+    `trace S - d' S d` with the scatter S of each point about its mean and the line of sight d.
+    """
+    about = points_m - points_m.mean(axis=0)
+    scatter = np.einsum("kni,knj->ij", about, about)
+    azimuths = np.arange(_FARTHEST_ACROSS_DEG, _FARTHEST_ROUND_DEG + 1)
+    start_deg, elevation_deg = _PRESETS["start"][:2]
+    toward = 1.0 if side == "left" else -1.0
+    sight = np.array([_place((0.0, 0.0, 0.0), toward * a, elevation_deg, 1.0) for a in azimuths])
+    seen = np.sqrt(np.maximum(np.trace(scatter) - np.einsum("ai,ij,aj->a", sight, scatter, sight), 0.0))
+    good = azimuths[seen >= _AS_GOOD * seen.max()]
+    return Sight(
+        float(good[np.argmin(np.abs(good - start_deg))]),
+        bool(np.ptp(points_m[:, 0], axis=0).max() < _SMALL_M),
+    )
 
 
 @dataclass(frozen=True)
@@ -79,7 +149,7 @@ def around(name: Preset, height_m: float, size_m: float, aspect: float) -> Camer
 
     Parameters
     ----------
-    name : {"start", "front", "side", "top", "arm"}
+    name : {"start", "front", "side", "top", "arm", "movement"}
         `arm` comes near.
     height_m, size_m : float
         Of its middle, and its largest extent.
@@ -87,6 +157,7 @@ def around(name: Preset, height_m: float, size_m: float, aspect: float) -> Camer
     """
     azimuth, elevation = {
         "start": (52.0, 22.0),
+        "movement": (52.0, 22.0),
         "front": (6.0, 8.0),
         "side": (90.0, 8.0),
         "top": (180.0, 86.0),
@@ -98,12 +169,22 @@ def around(name: Preset, height_m: float, size_m: float, aspect: float) -> Camer
     return Camera(_place(look_at, azimuth, elevation, distance), look_at)
 
 
-def preset(name: Preset, body: BodyDimensions, side: str, aspect: float, *, is_walk: bool = False) -> Camera:
+def preset(
+    name: Preset,
+    body: BodyDimensions,
+    side: str,
+    aspect: float,
+    *,
+    is_walk: bool = False,
+    posture: Posture = "standing",
+    sight: Sight | None = None,
+    movement: str = "",
+) -> Camera:
     """Return a preset for this person and this picture.
 
     Parameters
     ----------
-    name : {"start", "front", "side", "top", "arm"}
+    name : {"start", "front", "side", "top", "arm", "movement"}
         `start` is half from the side: it shows reaching forward as well as raising sideways.
     body : BodyDimensions
     side : str
@@ -112,14 +193,28 @@ def preset(name: Preset, body: BodyDimensions, side: str, aspect: float, *, is_w
         Width over height of the picture; a narrow one needs more distance.
     is_walk : bool
         Whether feet and footprints are shown instead of the figure.
+    posture : {"standing", "seated"}
+        Of the exercise. Of who sits the whole figure is still in the picture when it stands up.
+    sight : Sight or None
+        For `movement`: from where the template's movement is large; None without a template.
+    movement : str
+        For `movement` without a template: the kind of the exercise.
     """
+    azimuth_deg = None
+    if name == "movement":
+        if sight is not None and not is_walk:
+            name, azimuth_deg = ("arm" if sight.is_near else "start"), sight.azimuth_deg
+        else:
+            name = _OF_MOVEMENT.get(movement, "start")
     azimuth, elevation, middle, height, width = (_WALK_PRESETS if is_walk else _PRESETS)[name]
+    azimuth = azimuth if azimuth_deg is None else azimuth_deg
+    drop = hip_height_m(body) - hip_height_m(body, posture)
     toward = 1.0 if side == "left" else -1.0
     sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" and not is_walk else 0.0
     forward = 0.12 * body.stature_m if name in {"side", "top"} and not is_walk else 0.0
     tangent = math.tan(0.5 * FIELD_OF_VIEW_RAD)
     distance = 0.5 * body.stature_m * max(height / tangent, width / (tangent * max(aspect, 0.2)))
-    look_at = (forward, sideways, middle * body.stature_m)
+    look_at = (forward, sideways, middle * body.stature_m - (drop if name == "arm" else _LOWER * drop))
     return Camera(_place(look_at, toward * azimuth, elevation, min(distance, _FARTHEST_M)), look_at)
 
 

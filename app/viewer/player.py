@@ -199,11 +199,13 @@ class LivePlayer:
         if not frames.tick_count:
             return
         self._scene.show_measured(measured_segments(frames))
-        track = track_from_frames(frames, self._body)
+        self._is_posed = bool(is_posed(frames)[-1])
+        # The pose that calibrates is held standing.
+        self._scene.sit(self._is_posed and not self._is_calibrating)
+        track = track_from_frames(frames, self._body, self._scene.posture)
         if track.feet is not None:
             track = replace(track, feet=self._course.turned(track.feet))
         self._last = track
-        self._is_posed = bool(is_posed(frames)[-1])
         step = max(1, round(PICTURE_S / frames.time_step_s))
         # The last tick is always among those shown; a little less than real time, so that no delay piles up.
         ticks = range((len(track) - 1) % step, len(track), step)

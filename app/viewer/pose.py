@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from app.exercises.models import Posture
 from app.viewer.figure.proportions import hip_height_m
 from app.viewer.layers.feet import FeetTrack, feet_of
 from app.viewer.layers.markers import MarkerTrack
@@ -123,7 +124,7 @@ def is_posed(frames: Frames) -> NDArray[np.bool_]:
     return np.isfinite(frames.point_room_m[:, frames.layout.points.index("pelvis"), 0])
 
 
-def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
+def track_from_frames(frames: Frames, body: BodyDimensions, posture: Posture = "standing") -> PoseTrack:
     """Prepare estimated frames for drawing.
 
     Parameters
@@ -131,19 +132,22 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
     frames : Frames
     body : BodyDimensions
         Of the session's setup.
+    posture : {"standing", "seated"}
+        Of the exercise: legs without a sensor are drawn in it.
 
     Returns
     -------
     PoseTrack
-        Segments without a sensor follow their parent or hang down; nothing is invented that looks measured.
+        Arms without a sensor follow their parent or hang down, legs stand or sit; nothing is invented that looks
+        measured.
     """
     layout, ticks = frames.layout, frames.tick_count
     given = {name: _sound(frames.q_room_segment[:, column]) for column, name in enumerate(layout.segments)}
-    room = _complete(given, ticks)
+    room = _complete(given, ticks, posture)
     points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
     known = is_posed(frames)[:, None]
     if not known.all():
-        waiting = _complete({}, ticks)
+        waiting = _complete({}, ticks, posture)
         room = {name: np.where(known, room[name], waiting[name]) for name in room}
     lost = np.zeros((ticks, len(SEGMENTS)), dtype=bool)
     for column, name in enumerate(layout.segments):
@@ -241,8 +245,10 @@ def _sound(q: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where((last >= 0)[:, None], q[np.maximum(last, 0)], rotation.identity())
 
 
-def _complete(given: dict[str, NDArray[np.float64]], ticks: int) -> dict[str, NDArray[np.float64]]:
-    """Give every segment an orientation: measured, else with its parent, else hanging or standing."""
+def _complete(
+    given: dict[str, NDArray[np.float64]], ticks: int, posture: Posture = "standing"
+) -> dict[str, NDArray[np.float64]]:
+    """Give every segment an orientation: measured, else with its parent, else hanging, standing or sitting."""
     room: dict[str, NDArray[np.float64]] = {}
     upright = rotation.identity((ticks,))
     for name, parent in PARENT.items():
@@ -258,6 +264,11 @@ def _complete(given: dict[str, NDArray[np.float64]], ticks: int) -> dict[str, ND
                 if upper in given
                 else np.broadcast_to(_HANGING_FOREARM[side], (ticks, 4))
             )
+        elif posture == "seated" and name.startswith(("thigh", "shank", "foot")):
+            # A pelvis that leans leaves the legs on the seat; one that is turned takes them along.
+            facing = rotation.about_z(rotation.split_heading(room["pelvis"])[0])
+            level = rotation.about_y(-np.pi / 2)
+            room[name] = rotation.multiply(facing, level) if name.startswith("thigh") else facing
         else:
             room[name] = upright if parent is None else room[parent]
     return room

@@ -11,7 +11,7 @@ from app.assessment.design.prescribed import exercise_side, prescribed_version
 from app.assessment.models import Comparison
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, InvalidInput, NotFound
-from app.exercises.models import Template, TemplateVersion
+from app.exercises.models import Exercise, Posture, Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings import marker_motion
@@ -78,6 +78,10 @@ class Contents:
     is_calibrating: bool = False
     view: View = "body"
     """Modules want a nearer camera, feet a lower one."""
+    posture: Posture = "standing"
+    """Of the exercise."""
+    movement: str = ""
+    """Kind of the exercise; empty without one."""
 
 
 def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
@@ -151,6 +155,11 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             raise NotFound(recordings.NO_SUCH_SESSION)
         setup = SessionSetup.from_dict(found.setup)
         measured: frozenset[str] = frozenset(SEGMENTS).intersection(setup.placements)
+        exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
+        view = kind_of(setup).view
+        posture: Posture = "standing"
+        if exercise is not None and view == "body" and target.markers_id is None:
+            posture = exercise.posture
         track = None
         if target.markers_id is not None:
             motion = marker_motion.read_motion(session, found.id, target.markers_id)
@@ -164,7 +173,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             if frames.tick_count == 0:
                 raise InvalidInput(say("result.no_movement"))
             measured = measured_segments(frames)
-            track = track_from_frames(fluent(thinned(frames)), setup.body)
+            track = track_from_frames(fluent(thinned(frames)), setup.body, posture)
         side = exercise_side(session, found, measured)
         ghost, clock = _ghost(session, target, found, setup.body, side)
         return Contents(
@@ -176,7 +185,9 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             ghost_clock=clock,
             track=track,
             is_calibrating=found.state in {"created", "calibrating"},
-            view=kind_of(setup).view,
+            view=view,
+            posture=posture,
+            movement=exercise.movement if exercise is not None else "",
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from app.exercises.models import Posture
 from app.viewer.figure.body_mesh import build_figure
 from app.viewer.figure.ghost_node import GhostNode
 from app.viewer.figure.proportions import hip_height_m
@@ -19,6 +20,7 @@ from app.viewer.layers.feet_layer import FeetLayer
 from app.viewer.layers.markers_layer import MarkersLayer
 from app.viewer.layers.mass_node import MassNode
 from app.viewer.layers.modules import ModuleLayer, ModuleTrack
+from app.viewer.layers.seat import add_seat, seat_height_m
 from app.viewer.layers.single_sensors import SensorLayer, SensorTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from estimators.body import BodyDimensions
@@ -51,6 +53,8 @@ class BodyScene:
         The template over its phases 0 to 100, drawn on this body.
     ghost_side : {"left", "right"}
         The arm that the template is about.
+    posture : {"standing", "seated"}
+        Of the exercise. Who sits does so until `sit` says otherwise.
     """
 
     def __init__(
@@ -61,8 +65,13 @@ class BodyScene:
         affected_side: str | None = None,
         ghost: PoseTrack | None = None,
         ghost_side: Side = "right",
+        posture: Posture = "standing",
     ) -> None:
         self._server = server
+        self._hip_m = hip_height_m(body, posture)
+        self._drop_m = hip_height_m(body) - self._hip_m
+        """How much lower than in the estimator's room, where everybody stands, the figure is while it sits."""
+        self._is_sitting = posture == "seated"
         self._measured = measured
         bands = {"left": {"left"}, "right": {"right"}, "both": {"left", "right"}}.get(
             affected_side or "", set()
@@ -70,12 +79,17 @@ class BodyScene:
         with server.atomic():
             nodes.add_room(server)
             self._solid = _Figure(server, "/patient", body, PARENT)
+            self._seat = None
+            if self._is_sitting:
+                self._seat = add_seat(server, body)
             self._parts: dict[str, list[nodes.Part]] = {}
             for piece in build_figure(body):
                 if piece.material == "band" and piece.segment.rpartition("_")[2] not in bands:
                     continue
                 part = nodes.add_piece(server, self._solid.path[piece.segment], piece, measured)
                 self._parts.setdefault(piece.segment, []).append(part)
+            self._on_seat_m = seat_height_m(body) - self._hip_m
+            self._place_hips()
             self._lost_labels = {
                 name: nodes.add_lost_label(server, self._solid.path[name], name) for name in _WEARABLE
             }
@@ -86,7 +100,9 @@ class BodyScene:
                 for joint, segment in enumerate(("forearm", "hand"))
             }
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
-            self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
+            self._ghost = (
+                GhostNode(server, ghost, body, ghost_side, self._drop_m) if ghost is not None else None
+            )
         self._mass: MassNode | None = None
         self._modules: ModuleLayer | None = None
         self._sensors: SensorLayer | None = None
@@ -99,6 +115,30 @@ class BodyScene:
     def has_ghost(self) -> bool:
         """Whether a template was given."""
         return self._ghost is not None
+
+    @property
+    def posture(self) -> Posture:
+        """How the figure is shown now."""
+        return "seated" if self._is_sitting else "standing"
+
+    def sit(self, on: bool) -> None:
+        """Let the figure of a seated exercise stand up, as for a calibration pose, or sit down again."""
+        if self._seat is None or on == self._is_sitting:
+            return
+        self._is_sitting = on
+        with self._server.atomic():
+            self._seat.visible = on
+            self._place_hips()
+
+    def _place_hips(self) -> None:
+        """Put the hips on the seat, with nothing of them below it, or where they are standing."""
+        self._solid.stand_at(self._hip_m if self._is_sitting else self._hip_m + self._drop_m)
+        if self._seat is not None:
+            for part in self._parts["pelvis"]:
+                vertices = part.piece.mesh.vertices_m.copy()
+                if self._is_sitting:
+                    vertices[:, 2] = np.maximum(vertices[:, 2], self._on_seat_m)
+                part.handle.vertices = vertices
 
     @property
     def measured_mask(self) -> NDArray[np.bool_]:
@@ -154,8 +194,9 @@ class BodyScene:
             for (number, joint), halo in self._halos.items():
                 halo.show(float(track.halo_m[tick, number, joint]))
             if trail is not None:
+                lowered = trail - self._lowered()
                 for number, line in enumerate(self._trails):
-                    line.show(trail[:, number])
+                    line.show(lowered[:, number])
 
     def _draw_mass(self, track: PoseTrack, tick: int) -> None:
         """Show the centre of mass within a trunk that can be looked into."""
@@ -166,7 +207,10 @@ class BodyScene:
             for name in _AROUND_MASS:
                 for part in self._parts.get(name, []):
                     part.handle.opacity = _FADED
-        self._mass.show(track.mass_m[tick], float(track.mass_spread_m[tick]))
+        self._mass.show(track.mass_m[tick] - self._lowered(), float(track.mass_spread_m[tick]))
+
+    def _lowered(self) -> NDArray[np.float32]:
+        return np.array([0.0, 0.0, self._drop_m if self._is_sitting else 0.0], dtype=np.float32)
 
     def _draw_feet(self, track: FeetTrack, tick: int) -> None:
         """Show the feet of a walk, and no figure: nothing tells how the rest of the body moves."""
@@ -268,6 +312,10 @@ class _Figure:
             for number, frame in self._shoulders.items():
                 nodes.shift(self._server, frame, shoulder_m[number])
             self._sent_shoulder = shoulder_m.copy()
+
+    def stand_at(self, hip_m: float) -> None:
+        """Put the hips at a height above the floor."""
+        self._root.position = (0.0, 0.0, hip_m)
 
     def visible(self, on: bool) -> None:
         """Show or hide the whole figure."""

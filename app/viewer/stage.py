@@ -11,7 +11,8 @@ from viser import _messages as viser_messages
 
 from app.errors import Unavailable
 from app.live.bus import Bus
-from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, preset
+from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, best_sight, preset
+from app.viewer.figure.ghost_arm import hand_points_m
 from app.viewer.guard import SceneSecret, guarded
 from app.viewer.layers.nodes import theme_updates
 from app.viewer.layers.single_sensors import HEIGHT_M
@@ -69,6 +70,10 @@ class Stage:
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
+        self._posture, self._movement = contents.posture, contents.movement
+        self._sight = None
+        if ghost is not None:
+            self._sight = best_sight(hand_points_m(ghost.track, contents.body, ghost.side), ghost.side)
         try:
             self.scene = BodyScene(
                 self._server,
@@ -77,6 +82,7 @@ class Stage:
                 contents.affected_side,
                 ghost.track if ghost is not None else None,
                 contents.side,
+                contents.posture,
             )
         except BaseException:
             self._server.stop()
@@ -104,7 +110,16 @@ class Stage:
             return around(name, self._markers.height_m, self._markers.size_m, aspect)
         if self._around is not None:
             return around(name, *self._around, aspect)
-        return preset(name, self.body, self.side, aspect, is_walk=self._is_walk)
+        return preset(
+            name,
+            self.body,
+            self.side,
+            aspect,
+            is_walk=self._is_walk,
+            posture=self._posture,
+            sight=self._sight,
+            movement=self._movement,
+        )
 
     @property
     def address(self) -> str:

@@ -3,9 +3,11 @@
 from datetime import timedelta
 
 import pytest
+from sqlalchemy import select
 
+from app.accounts.models import AuditEvent
 from app.database.base import utc_now
-from app.database.unit_of_work import unit_of_work
+from app.database.unit_of_work import read_only, unit_of_work
 from app.patients.models import Mounting
 
 
@@ -256,6 +258,25 @@ def test_exercises_belong_to_the_clinic(therapist, patient, foreign_therapist, w
     assert patient.post("/api/exercises", json=body).status_code == 403
     wrong = therapist.post("/api/exercises", json=body | {"side": "right"})
     assert wrong.json()["details"]["field"] == "primary_angle"
+
+
+def test_a_therapist_says_whether_an_exercise_is_done_sitting(
+    therapist, patient, foreign_therapist, world, engine
+):
+    path = f"/api/exercises/{world.exercise_id}"
+    before = therapist.get(path).json()
+    assert before["posture"] == "standing"
+    changed = therapist.patch(path, json={"posture": "seated"})
+    assert changed.json() == before | {"posture": "seated"} == patient.get(path).json()
+    for refused in ({"posture": "lying"}, {"posture": None}, {"name": ""}, {"side": "left"}):
+        assert therapist.patch(path, json=refused).status_code == 422, refused
+    assert patient.patch(path, json={"posture": "standing"}).status_code == 403
+    assert foreign_therapist.patch(path, json={"posture": "standing"}).status_code == 404
+    assert therapist.get(path).json() == changed.json()
+    with read_only(engine) as session:
+        assert session.scalars(
+            select(AuditEvent.resource_id).where(AuditEvent.action == "exercise.change")
+        ).all() == [world.exercise_id]
 
 
 def test_the_patient_reads_who_looked(therapist, patient, world):

@@ -338,7 +338,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "edge.unexpected": "Im Dienst ist etwas schiefgegangen; der Fehler wurde festgehalten.",
     "exercise.angle": "Der Hauptwinkel ist kein Gelenkwinkel der Seite {side:side}; wählen Sie einen aus der"
     " Liste.",
-    "exercise.create_not_allowed": "Nur Therapie und Verwaltung können Übungen anlegen.",
+    "exercise.create_not_allowed": "Nur Therapie und Verwaltung können Übungen anlegen oder ändern.",
     "exercise.not_found": "Diese Übung wurde in Ihrer Praxis nicht gefunden.",
     "exercise.walk_angle": "Ein Gang hat keinen Hauptwinkel; lassen Sie ihn leer.",
     "caseload.due": "{name}: {dose}",

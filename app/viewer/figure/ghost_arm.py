@@ -116,6 +116,29 @@ def bone_track(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Floa
     return wxyz.astype(np.float32), position.astype(np.float32)
 
 
+def hand_points_m(track: PoseTrack, body: BodyDimensions, side: Side) -> Float:
+    """Return where the end of the hand is, the thumb and what the palm faces, so that a turn of the hand counts.
+
+    Parameters
+    ----------
+    track : PoseTrack
+    body : BodyDimensions
+    side : {"left", "right"}
+
+    Returns
+    -------
+    ndarray, shape (K, 3, 3)
+        Relative to the middle of the hips.
+    """
+    wxyz, position = bone_track(track, body, side)
+    middle = -0.5 * body.hand_m
+    own = np.array(
+        [[0.0, 0.0, -body.hand_m], [0.0, 0.5 * body.hand_m, middle], [0.5 * body.hand_m, 0.0, middle]]
+    )
+    turned: Float = rotation.rotate(wxyz[:, -1:].astype(np.float64), own)
+    return position[:, -1:] + turned
+
+
 def _swing_and_turn(q: Float) -> tuple[Float, Float]:
     """Split rotations, shape (K, 4), into a bend and, before it, a turn about z in radians, shape (K,)."""
     turn = 2.0 * np.arctan2(q[:, 3], q[:, 0])

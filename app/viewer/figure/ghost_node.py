@@ -36,14 +36,23 @@ class GhostNode:
     body : BodyDimensions
         The patient's.
     side : {"left", "right"}
+    drop_m : float
+        How much lower the patient's hips are than standing.
     """
 
-    def __init__(self, server: viser.ViserServer, track: PoseTrack, body: BodyDimensions, side: Side) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        track: PoseTrack,
+        body: BodyDimensions,
+        side: Side,
+        drop_m: float = 0.0,
+    ) -> None:
         self._server = server
         arm = skinned_arm(body, side)
         self._wxyz, self._position = bone_track(track, body, side)
         neutral = np.array([0.0, (0.5 if side == "left" else -0.5) * body.shoulder_width_m, body.trunk_m])
-        server.scene.add_frame(GHOST, show_axes=False)
+        server.scene.add_frame(GHOST, show_axes=False, position=(0.0, 0.0, -drop_m))
         self._root = server.scene.add_frame(
             f"{GHOST}/figure", show_axes=False, position=(0.0, 0.0, hip_height_m(body))
         )

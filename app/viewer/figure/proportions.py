@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from app.exercises.models import Posture
 from estimators.body import HIP_HEIGHT_PER_STATURE, BodyDimensions
 
 REFERENCE_STATURE_M: Final = 1.70
@@ -9,9 +10,9 @@ REFERENCE_STATURE_M: Final = 1.70
 KNEE_SHARE, ANKLE_SHARE = 0.285, 0.039
 
 
-def hip_height_m(body: BodyDimensions) -> float:
-    """Return the height of the hip centres above the floor, standing."""
-    return HIP_HEIGHT_PER_STATURE * body.stature_m
+def hip_height_m(body: BodyDimensions, posture: Posture = "standing") -> float:
+    """Return the height of the hip centres above the floor; of who sits upright, that of the knees."""
+    return (KNEE_SHARE if posture == "seated" else HIP_HEIGHT_PER_STATURE) * body.stature_m
 
 
 def neck_height_m(body: BodyDimensions) -> float:

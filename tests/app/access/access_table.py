@@ -225,6 +225,7 @@ LINES: tuple[Line, ...] = (
     Line("GET", "/api/exercises", "list"),
     Line("POST", "/api/exercises", "role", MANAGE | {"reader"}, body=EXERCISE, status=201),
     Line("GET", "/api/exercises/{exercise_id}", "clinic"),
+    Line("PATCH", "/api/exercises/{exercise_id}", "role", MANAGE | {"reader"}, body={"posture": "seated"}),
     patient("GET", "/api/patients/{patient_id}/prescriptions", READ),
     patient(
         "POST",

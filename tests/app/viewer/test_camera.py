@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, preset
+from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, best_sight, preset
+from app.viewer.figure.proportions import hip_height_m
 from estimators.body import BodyDimensions, body_from_stature
 
 
@@ -67,3 +68,70 @@ def test_steps_stop_at_the_pole_the_floor_and_the_body() -> None:
     for _ in range(50):
         camera = camera.stepped(0.0, -20.0, 0.5)
     assert camera.position_m[2] > 0.0
+
+
+def moved(direction: list[float], side: str, length_m: float = 0.5) -> np.ndarray:
+    """A hand that goes straight out and back, shape (101, 1, 3)."""
+    there = np.sin(np.linspace(0.0, np.pi, 101))[:, None] * length_m
+    sign = 1.0 if side == "left" else -1.0
+    return (there * (np.array(direction) * [1.0, sign, 1.0]))[:, None]
+
+
+def pictured_m(points: np.ndarray, camera: Camera) -> float:
+    """How far the hand goes in the picture plane of a camera, in metres there."""
+    sight = np.subtract(camera.position_m, camera.look_at_m)
+    sight /= np.linalg.norm(sight)
+    across = points[:, 0] - np.outer(points[:, 0] @ sight, sight)
+    return float(np.linalg.norm(np.ptp(across, axis=0)))
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(
+    ("direction", "lowest_deg", "highest_deg"),
+    [
+        ([1.0, 0.0, 0.0], 70.0, 90.0),
+        ([0.0, 1.0, 0.0], 0.0, 20.0),
+        ([0.0, 0.0, 1.0], 44.0, 44.0),
+        ([0.7, -0.7, 0.0], 25.0, 60.0),
+    ],
+    ids=["sagittal", "frontal", "upward", "across the body"],
+)
+def test_a_movement_is_looked_at_from_where_it_is_large(direction, lowest_deg, highest_deg, side) -> None:
+    """The picture shows a straight way as long as the best of all views does, but for 3 %, and never from behind."""
+    points = moved(direction, side)
+    sight = best_sight(points, side)
+    assert lowest_deg <= sight.azimuth_deg <= highest_deg
+    assert not sight.is_near
+    body = BodyDimensions()
+    shown = pictured_m(points, preset("movement", body, side, 1.0, sight=sight))
+    best = max(pictured_m(points, preset("front", body, side, 1.0).stepped(a, 0.0, 1.0)) for a in range(360))
+    assert shown >= 0.97 * min(best, 0.5)
+    assert preset("movement", body, side, 1.0, sight=sight).position_m[0] > -0.5
+
+
+def test_a_hand_that_only_turns_is_looked_at_from_near_along_the_forearm() -> None:
+    angle = np.linspace(-1.5, 1.5, 101)
+    thumb = np.stack([0 * angle, 0.09 * np.cos(angle), 0.09 * np.sin(angle)], axis=1)
+    sight = best_sight(np.stack([0 * thumb, thumb], axis=1) + np.array([0.3, -0.2, 0.2]), "right")
+    assert sight.is_near
+    assert 0.0 <= sight.azimuth_deg < 44.0
+    near = preset("movement", BodyDimensions(), "right", 1.0, sight=sight)
+    far = preset("start", BodyDimensions(), "right", 1.0)
+    assert np.linalg.norm(near.position_m) < np.linalg.norm(far.position_m)
+
+
+def test_without_a_template_the_kind_of_movement_says_from_where() -> None:
+    body = BodyDimensions()
+    for movement, name in (("abduction", "front"), ("reaching", "side"), ("pronation", "arm"), ("", "start")):
+        assert preset("movement", body, "left", 1.0, movement=movement) == preset(name, body, "left", 1.0)
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 1.6])
+def test_who_sits_is_in_the_picture_and_still_is_standing_up(aspect: float) -> None:
+    body = BodyDimensions()
+    camera = preset("start", body, "right", aspect, posture="seated")
+    seated_crown = body.stature_m - hip_height_m(body) + hip_height_m(body, "seated")
+    for height in (0.0, seated_crown, body.stature_m):
+        assert in_picture(camera, (0, 0, height), aspect)
+    near = preset("arm", body, "right", aspect, posture="seated")
+    assert near.look_at_m[2] < preset("arm", body, "right", aspect).look_at_m[2]

@@ -18,10 +18,15 @@ class Scene:
     """Takes note of what it is told to draw."""
 
     measured_mask = np.zeros(1, dtype=bool)
+    posture = "standing"
 
     def __init__(self) -> None:
         self.ghosts: list[float | None] = []
+        self.seats: list[bool] = []
         self.has_drawn = asyncio.Event()
+
+    def sit(self, on: bool) -> None:
+        self.seats.append(on)
 
     def show_measured(self, measured: frozenset[str]) -> None:
         pass
@@ -46,9 +51,7 @@ def told(state: SessionState) -> StateMessage:
     )
 
 
-async def ghosts_of(
-    frames: Any, messages: list[tuple[str, Any]], *, is_calibrating: bool
-) -> list[float | None]:
+async def ghosts_of(frames: Any, messages: list[tuple[str, Any]], *, is_calibrating: bool) -> Scene:
     scene, bus = Scene(), MemoryBus()
     player = LivePlayer(scene, bus, "s", BodyDimensions(), 2.0, is_calibrating)  # type: ignore[arg-type]
     task = asyncio.create_task(player.run())
@@ -57,7 +60,7 @@ async def ghosts_of(
         bus.publish(topic("s", name), message)
     await asyncio.wait_for(scene.has_drawn.wait(), 5.0)
     task.cancel()
-    return scene.ghosts
+    return scene
 
 
 @pytest.mark.parametrize(
@@ -78,8 +81,10 @@ def test_the_ghost_waits_while_the_pose_is_held(
     # More frames than are kept: a word on the state must not be lost among them.
     messages += 20 * [("frames", PublishedFrames(few, 0.0))]
     shown = asyncio.run(ghosts_of(few, messages, is_calibrating=at_first))
-    assert shown
-    assert all((phase is not None) == is_shown for phase in shown)
+    assert shown.ghosts
+    assert all((phase is not None) == is_shown for phase in shown.ghosts)
+    # The pose is held standing, so who sits for the exercise stands up for it.
+    assert all(on == is_shown for on in shown.seats)
 
 
 def test_the_ghost_waits_for_the_first_calibration(reaches: Any) -> None:
@@ -90,5 +95,6 @@ def test_the_ghost_waits_for_the_first_calibration(reaches: Any) -> None:
     few["point_room_m"] = np.full_like(few["point_room_m"], np.nan)
     messages = [("frames", PublishedFrames(type(frames)(**few), 0.0))]
     shown = asyncio.run(ghosts_of(None, messages, is_calibrating=False))
-    assert shown
-    assert all(phase is None for phase in shown)
+    assert shown.ghosts
+    assert all(phase is None for phase in shown.ghosts)
+    assert not any(shown.seats)

@@ -111,6 +111,7 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     body = Body(service.address, page.url.split("/")[-2], done)
     page.get_by_role("button", name="I am standing still").click(timeout=120_000)
     expect(page.get_by_role("heading", name="Ready")).to_be_visible(timeout=60_000)
+    expect(page.get_by_text("Now sit down on a chair.")).to_be_visible()
     patient.picture("guided-ready-390")
     assert body.is_at_rest.wait(60)
     page.get_by_role("button", name="Go", exact=True).click()

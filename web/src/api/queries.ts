@@ -383,6 +383,11 @@ export const useAddExercise = () =>
     (input: Wire.ExerciseIn) => api.post<Wire.Exercise>('/api/exercises', input),
     () => [keys.exercises],
   );
+export const useChangeExercise = (id: string) =>
+  useChange(
+    (input: Wire.ExerciseChange) => api.patch<Wire.Exercise>(`/api/exercises/${id}`, input),
+    () => [keys.exercises],
+  );
 export const useNewSession = () =>
   useChange(
     (input: Wire.SessionIn) => api.post<Wire.SessionDetail>('/api/sessions', input),

@@ -307,7 +307,11 @@ export interface paths {
         delete?: never;
         options?: never;
         head?: never;
-        patch?: never;
+        /**
+         * Change Exercise
+         * @description Change the name, the words or the posture of an exercise of the clinic.
+         */
+        patch: operations["change_exercise_api_exercises__exercise_id__patch"];
         trace?: never;
     };
     "/api/grants/{grant_id}": {
@@ -2470,7 +2474,7 @@ export interface components {
              * Preset
              * @default null
              */
-            preset?: ("start" | "front" | "side" | "top" | "arm") | null;
+            preset?: ("start" | "front" | "side" | "top" | "arm" | "movement") | null;
             /**
              * Theme
              * @default null
@@ -3166,6 +3170,21 @@ export interface components {
             type?: "event";
         };
         /**
+         * ExerciseChange
+         * @description Change how an exercise is called, described or shown; what is measured stays.
+         */
+        ExerciseChange: {
+            /** Description */
+            description?: string;
+            /** Name */
+            name?: string;
+            /**
+             * Posture
+             * @enum {string}
+             */
+            posture?: "standing" | "seated";
+        };
+        /**
          * ExerciseIn
          * @description A new exercise.
          */
@@ -3182,6 +3201,12 @@ export interface components {
             movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other" | "walk" | "timed_up_and_go" | "six_minute_walk";
             /** Name */
             name: string;
+            /**
+             * Posture
+             * @default standing
+             * @enum {string}
+             */
+            posture?: "standing" | "seated";
             /**
              * Primary Angle
              * @default
@@ -3213,6 +3238,12 @@ export interface components {
             movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other" | "walk" | "timed_up_and_go" | "six_minute_walk";
             /** Name */
             name: string;
+            /**
+             * Posture
+             * @default standing
+             * @enum {string}
+             */
+            posture?: "standing" | "seated";
             /**
              * Primary Angle
              * @default
@@ -6587,6 +6618,44 @@ export interface operations {
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_exercise_api_exercises__exercise_id__patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                exercise_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ExerciseChange"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExerciseOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];
         };
     };

@@ -43,6 +43,8 @@ export type Side = NonNullable<CaseloadRow['affected_side']>;
 
 export type Exercise = Schemas['ExerciseOut'];
 export type ExerciseIn = Schemas['ExerciseIn'];
+export type ExerciseChange = Schemas['ExerciseChange'];
+export type Posture = NonNullable<Exercise['posture']>;
 export type Template = Schemas['TemplateOut'];
 export type TemplateVersion = Schemas['TemplateVersionOut'];
 export type TemplateVersionDetail = Schemas['TemplateVersionDetail'];

@@ -6,7 +6,7 @@ import { t } from '../i18n';
 import type { ViewLink } from '../player/view';
 import type { Near, Preset } from './Viewer3D';
 
-const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
+const PRESETS = ['start', 'front', 'side', 'top', 'arm'] as const;
 const TURN_DEG = 20;
 const ZOOM = 1.25;
 

@@ -1,4 +1,4 @@
-import type { Exercise, ExerciseIn } from '../api/types';
+import type { Exercise, ExerciseIn, Posture } from '../api/types';
 
 /** The joint angles whose range can be the main measure of an exercise. */
 export function primaryAngles(side: 'left' | 'right'): string[] {
@@ -27,14 +27,14 @@ export function isWalk(movement: string | undefined): boolean {
   return movement !== undefined && WALKS.includes(movement);
 }
 
-/** The kind of an exercise in the list of them all, once that is known. */
-export function movementOf(exercises: readonly Exercise[] | undefined, id: string | null): string | undefined {
-  return exercises?.find((one) => one.id === id)?.movement;
+export const POSTURES: readonly Posture[] = ['standing', 'seated'];
+
+/** How a movement is usually done: at a table, or standing. */
+export function usualPosture(movement: ExerciseIn['movement']): Posture {
+  return ['reaching', 'drinking', 'pronation'].includes(movement) ? 'seated' : 'standing';
 }
 
-/** From where a movement is seen best: from where it is large. */
-export function bestSeenFrom(movement: string | undefined): 'front' | 'side' | 'arm' | undefined {
-  if (movement === 'abduction') return 'front';
-  if (movement === 'pronation') return 'arm';
-  return movement === 'flexion' || movement === 'reaching' || movement === 'drinking' ? 'side' : undefined;
+/** An exercise in the list of them all, once that is known. */
+export function exerciseOf(exercises: readonly Exercise[] | undefined, id: string | null): Exercise | undefined {
+  return exercises?.find((one) => one.id === id);
 }

@@ -1,4 +1,5 @@
-import { Button } from '@mantine/core';
+import { Button, Modal } from '@mantine/core';
+import { useDisclosure } from '@mantine/hooks';
 import { IconRouteOff } from '@tabler/icons-react';
 import { Link, useParams, useSearchParams } from 'react-router';
 import { useExercises, usePatient, useTemplates } from '../api/queries';
@@ -8,6 +9,7 @@ import { isWalk } from '../lib/exercises';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { fullName } from '../lib/people';
+import { EditExercise } from './EditExercise';
 import { TemplateCard } from './template/TemplateCard';
 
 export function ExercisePage() {
@@ -17,6 +19,7 @@ export function ExercisePage() {
   const patientId = search.get('patient');
   const templates = useTemplates(exerciseId, patientId, true, search.has('retired'));
   const patient = usePatient(patientId ?? '');
+  const [isEdited, dialog] = useDisclosure(false);
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   return (
     <Page
@@ -33,12 +36,19 @@ export function ExercisePage() {
         ...(patient.data ? [{ to: `/patients/${patient.data.id}`, text: fullName(patient.data) }] : []),
       ]}
       actions={
-        <Button
-          component={Link}
-          to={`/templates/record?exercise=${exerciseId}${patientId ? `&patient=${patientId}` : ''}`}
-        >
-          {t('template.record')}
-        </Button>
+        <>
+          {exercise && (
+            <Button variant="default" onClick={dialog.open}>
+              {t('exercise.edit')}
+            </Button>
+          )}
+          <Button
+            component={Link}
+            to={`/templates/record?exercise=${exerciseId}${patientId ? `&patient=${patientId}` : ''}`}
+          >
+            {t('template.record')}
+          </Button>
+        </>
       }
     >
       {exercises.error && <Problem error={exercises.error} />}
@@ -67,6 +77,14 @@ export function ExercisePage() {
           }
         </Answer>
       </div>
+      <Modal
+        opened={isEdited}
+        onClose={dialog.close}
+        title={t('exercise.edit')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
+        {isEdited && exercise && <EditExercise exercise={exercise} onDone={dialog.close} />}
+      </Modal>
     </Page>
   );
 }

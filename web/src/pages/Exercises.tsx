@@ -4,14 +4,14 @@ import { IconPlus, IconStretching } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { useAddExercise, useExercises } from '../api/queries';
-import type { Exercise, ExerciseIn } from '../api/types';
+import type { Exercise, ExerciseIn, Posture } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { TemplateLibrary } from './template/TemplateLibrary';
-import { isWalk, primaryAngles, usualAngle } from '../lib/exercises';
+import { isWalk, POSTURES, primaryAngles, usualAngle, usualPosture } from '../lib/exercises';
 
 const MOVEMENTS = [
   'reaching',
@@ -25,6 +25,20 @@ const MOVEMENTS = [
   'other',
 ] as const;
 
+/** Whether it is done standing or sitting: the figure does the same. */
+export function PostureChoice({ value, onChange }: { value: Posture; onChange: (posture: Posture) => void }) {
+  return (
+    <RadioCards
+      legend={t('exercise.posture')}
+      help={t('exercise.postureHelp')}
+      value={value}
+      onChange={onChange}
+      columns={2}
+      options={POSTURES.map((one) => ({ value: one, title: t(`exercise.posture.${one}`) }))}
+    />
+  );
+}
+
 function NewExercise({ onDone }: { onDone: () => void }) {
   const add = useAddExercise();
   const [name, setName] = useState('');
@@ -32,11 +46,20 @@ function NewExercise({ onDone }: { onDone: () => void }) {
   const [movement, setMovement] = useState<ExerciseIn['movement']>('reaching');
   const [side, setSide] = useState<'left' | 'right'>('right');
   const [angle, setAngle] = useState<string | null>(null);
+  const [posture, setPosture] = useState<Posture | null>(null);
+  const shownPosture = posture ?? usualPosture(movement);
   const primary = angle && angle.includes(`_${side}_`) ? angle : usualAngle(movement, side);
   const submit = (event: FormEvent) => {
     event.preventDefault();
     add.mutate(
-      { name: name.trim(), description, movement, side, primary_angle: isWalk(movement) ? '' : primary },
+      {
+        name: name.trim(),
+        description,
+        movement,
+        side,
+        primary_angle: isWalk(movement) ? '' : primary,
+        posture: shownPosture,
+      },
       { onSuccess: onDone },
     );
   };
@@ -76,6 +99,7 @@ function NewExercise({ onDone }: { onDone: () => void }) {
             columns={2}
             options={(['left', 'right'] as const).map((value) => ({ value, title: t(`exercise.arm.${value}`) }))}
           />
+          <PostureChoice value={shownPosture} onChange={setPosture} />
           <Select
             label={t('exercise.angle')}
             description={t('exercise.angleHelp')}
@@ -105,7 +129,8 @@ function Card({ exercise }: { exercise: Exercise }) {
       </h2>
       <p className="muted small">
         {t(`movement.${exercise.movement}`)}
-        {!isWalk(exercise.movement) && ` · ${t(`exercise.arm.${exercise.side ?? 'right'}`)}`}
+        {!isWalk(exercise.movement) &&
+          ` · ${t(`exercise.arm.${exercise.side ?? 'right'}`)} · ${t(`exercise.posture.${exercise.posture ?? 'standing'}`)}`}
       </p>
       {exercise.description && <p>{exercise.description}</p>}
       <p className="small muted">

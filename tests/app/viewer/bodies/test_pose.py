@@ -2,10 +2,22 @@
 
 import numpy as np
 import pytest
+import viser
 
-from app.viewer.figure.proportions import hip_height_m
+from app.viewer.figure.ghost import ghost_from_template
+from app.viewer.figure.proportions import hip_half_width_m, hip_height_m, leg_lengths_m
 from app.viewer.layers.nodes import halo_opacity, joint_offsets_m
-from app.viewer.pose import PARENT, SEGMENTS, PoseTrack, thinned, track_from_frames, track_from_room
+from app.viewer.layers.seat import seat_height_m
+from app.viewer.pose import (
+    PARENT,
+    SEGMENTS,
+    PoseTrack,
+    _complete,
+    thinned,
+    track_from_frames,
+    track_from_room,
+)
+from app.viewer.scene import BodyScene
 from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES
@@ -115,3 +127,68 @@ def test_thinning_keeps_time_and_at_least_the_rate(reaches) -> None:
     assert 60 <= 1 / thin.time_step_s <= 120
     np.testing.assert_allclose(thin.time_s, fast.time_s[::4], atol=1e-9)
     assert thinned(frames) is frames
+
+
+def lowered(track: PoseTrack, segment: str, point_m: tuple[float, float, float]) -> np.ndarray:
+    """Where a point of the seated figure is, its hips on the seat."""
+    drop = hip_height_m(BODY) - hip_height_m(BODY, "seated")
+    return place_in_room(track, 50, segment, point_m) - np.array([0.0, 0.0, drop])
+
+
+def test_who_sits_has_hips_and_knees_at_right_angles_and_the_feet_on_the_floor(reaches) -> None:
+    frames, _, _ = reaches
+    track = track_from_frames(frames, BODY, "seated")
+    thigh, shank, ankle = leg_lengths_m(BODY)
+    half, knee_height = hip_half_width_m(BODY), shank + ankle
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        for segment, point, place in (
+            ("thigh", (0, 0, 0), (0.0, sign * half, knee_height)),
+            ("shank", (0, 0, 0), (thigh, sign * half, knee_height)),
+            ("foot", (0, 0, 0), (thigh, sign * half, ankle)),
+            ("foot", (0.1, 0, -ankle), (thigh + 0.1, sign * half, 0.0)),
+        ):
+            np.testing.assert_allclose(lowered(track, f"{segment}_{side}", point), place, atol=1e-5)
+    # The arm that is measured does what it did: only as much lower as the hips are.
+    standing = track_from_frames(frames, BODY)
+    upper = [SEGMENTS.index(name) for name in SEGMENTS if not name.startswith(("thigh", "shank", "foot"))]
+    assert np.array_equal(track.wxyz[:, upper], standing.wxyz[:, upper])
+
+
+def test_measured_legs_win_over_the_posture_of_the_exercise() -> None:
+    """A thigh lifted 20 degrees above the seat, a trunk turned by 30 degrees and bent by 10."""
+    turned = rotation.about_z(np.radians(30.0))
+    lifted = rotation.multiply(turned, rotation.about_y(np.radians(-110.0)))
+    leaning = rotation.multiply(turned, rotation.about_y(np.radians(10.0)))
+    room = _complete({"pelvis": leaning[None], "thigh_left": lifted[None]}, 1, "seated")
+    np.testing.assert_allclose(room["thigh_left"][0], lifted)
+    for segment, down in (
+        ("thigh_right", [np.cos(np.radians(30.0)), np.sin(np.radians(30.0)), 0.0]),
+        ("shank_left", [0.0, 0.0, -1.0]),
+        ("shank_right", [0.0, 0.0, -1.0]),
+    ):
+        np.testing.assert_allclose(
+            rotation.rotate(room[segment][0], np.array([0.0, 0.0, -1.0])), down, atol=1e-12
+        )
+
+
+def test_a_scene_sits_on_its_seat_and_stands_up_for_the_pose(reaches) -> None:
+    """The numbers that go to the browser: the frame of the hips, the seat, the template."""
+    _, template, _ = reaches
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        ghost = ghost_from_template(template, BODY, "right")
+        scene = BodyScene(server, BODY, frozenset(), None, ghost.track, "right", "seated")
+        handles = server.scene._handle_from_node_name
+        sitting = hip_height_m(BODY, "seated")
+        assert handles["/patient"].position[2] == pytest.approx(sitting)
+        assert handles["/template"].position[2] == pytest.approx(sitting - hip_height_m(BODY))
+        assert handles["/seat"].visible
+        hips = handles["/patient/pelvis/trousers"]
+        assert hips.vertices[:, 2].min() + sitting == pytest.approx(seat_height_m(BODY))
+        scene.sit(False)
+        assert scene.posture == "standing"
+        assert handles["/patient"].position[2] == pytest.approx(hip_height_m(BODY))
+        assert not handles["/seat"].visible
+        assert hips.vertices[:, 2].min() + sitting < seat_height_m(BODY) - 0.1
+    finally:
+        server.stop()

@@ -21,7 +21,7 @@ import { Viewer3D } from '../../components/Viewer3D';
 import { kindOf } from '../../kinds';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
-import { bestSeenFrom, movementOf } from '../../lib/exercises';
+import { exerciseOf } from '../../lib/exercises';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
@@ -152,7 +152,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isStill = moment === 'still' || moment === 'again';
   const { guidance } = snapshot;
   const hold = useHold(session.id, guidance);
-  const exercises = useExercises();
+  const exercise = exerciseOf(useExercises().data, session.exercise_id);
   // A service that says nothing of guidance takes no buttons either.
   const isDoing = guidance !== null && records && DOING.includes(moment);
   const isBad = BAD.includes(moment);
@@ -179,7 +179,11 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               {Icon && <Icon size={38} aria-hidden />}
               {t(`home.moment.${moment}`)}
             </h2>
-            <p>{t(`home.moment.${moment}.text`)}</p>
+            <p>
+              {moment === 'ready' && exercise?.posture === 'seated'
+                ? t('home.moment.ready.seated')
+                : t(`home.moment.${moment}.text`)}
+            </p>
           </div>
           {moment === 'holding' && guide && (
             <Progress
@@ -271,7 +275,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             title={t('home.picture')}
             near={kindOf(session).near}
             onShown={setShown}
-            from={bestSeenFrom(movementOf(exercises.data, session.exercise_id))}
+            from="movement"
             isPlain
           />
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}

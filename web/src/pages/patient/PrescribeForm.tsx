@@ -8,7 +8,7 @@ import { DateField, isDateOrEmpty } from '../../components/forms/DateField';
 import { Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { DAYS, dayName } from '../../lib/assessment/practice';
-import { isWalk, movementOf, primaryAngles } from '../../lib/exercises';
+import { isWalk, exerciseOf, primaryAngles } from '../../lib/exercises';
 import { LimitRows } from '../template/editor/StopRules';
 
 const NO_TEMPLATE = 'none';
@@ -36,7 +36,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
   const prescribe = usePrescribe(patient.id);
   const choices = templates.data ?? [];
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
-  const isWalked = isWalk(movementOf(exercises.data, exerciseId));
+  const isWalked = isWalk(exerciseOf(exercises.data, exerciseId)?.movement);
   const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
   const hasTemplate = !isWalked && chosen !== NO_TEMPLATE;
   const submit = (event: FormEvent) => {

@@ -7,7 +7,7 @@ import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { isWalk, movementOf } from '../../lib/exercises';
+import { isWalk, exerciseOf } from '../../lib/exercises';
 import { date, number } from '../../lib/format';
 import { scheduleText, weekText } from '../../lib/assessment/practice';
 import { PrescribeForm } from './PrescribeForm';
@@ -29,7 +29,7 @@ export function doseText(
 function Line({ prescription, patient }: { prescription: Prescription; patient: Patient }) {
   const end = useEndPrescription(patient.id);
   const exercises = useExercises();
-  const isTest = isWalk(movementOf(exercises.data, prescription.exercise_id));
+  const isTest = isWalk(exerciseOf(exercises.data, prescription.exercise_id)?.movement);
   const done = Math.min(prescription.done_this_week, prescription.times_per_week);
   return (
     <li>

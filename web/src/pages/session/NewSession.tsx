@@ -11,7 +11,7 @@ import { KINDS, kindFor, kindOf } from '../../kinds';
 import { BeginWorn } from '../../kinds/BeginForm';
 import type { BeginProps, SessionKind } from '../../kinds/kind';
 import { partsOf } from '../../kinds/parts';
-import { movementOf } from '../../lib/exercises';
+import { exerciseOf } from '../../lib/exercises';
 import { fullName } from '../../lib/people';
 
 function Form({ patient }: { patient: Patient }) {
@@ -22,7 +22,7 @@ function Form({ patient }: { patient: Patient }) {
   const [picked, setPicked] = useState<string | null>(search.get('exercise'));
   const [kind, setKind] = useState<SessionKind['pipeline'] | null>(null);
   const exerciseId = picked ?? prescribed[0]?.exercise_id ?? null;
-  const movement = movementOf(exercises.data, exerciseId);
+  const movement = exerciseOf(exercises.data, exerciseId)?.movement;
   const offered = KINDS.flatMap(({ pipeline, begin }) =>
     begin && (begin.isTemplate || purpose !== 'template') ? [{ pipeline, begin }] : [],
   );

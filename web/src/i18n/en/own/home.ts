@@ -35,6 +35,7 @@ export const home = {
     'That did not work. Check that every sensor sits firmly in its place. Then stand still again.',
   'home.moment.ready': 'Ready',
   'home.moment.ready.text': 'Press Go, then do your exercise.',
+  'home.moment.ready.seated': 'Now sit down on a chair. Press Go, then do your exercise.',
   'home.moment.going': 'Go!',
   'home.moment.going.text': 'Do your exercise. When you have finished, press the button.',
   'home.moment.silent': 'No signal from the sensors',
