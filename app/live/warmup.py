@@ -19,6 +19,7 @@ from typing import Final, cast
 from app.errors import Unavailable
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import unmask
+from app.live.engine.step_thread import take_arms
 from app.network.placing.kernel import place
 from app.network.unpack_kernel import unpack
 from app.recordings.analysis.kinds import kinds
@@ -27,7 +28,6 @@ from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
-from estimators.pipelines.arm.pooled_kernel import step_arms
 
 logger = logging.getLogger(__name__)
 
@@ -68,7 +68,7 @@ def warm_up(kind: Kind) -> None:
 
 def prepare_engine() -> None:
     """Make ready what takes the packets of many sessions together."""
-    for kernel in (step_arms, place, unpack, unmask, write_blocks):
+    for kernel in (take_arms, place, unpack, unmask, write_blocks):
         cast(Kernel, kernel).prepare()
 
 

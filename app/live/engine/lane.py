@@ -107,6 +107,9 @@ class Slots(Protocol):
     def leave(self, pool: SessionPool, slot: int) -> None:
         """Free a slot; a pool without sessions goes."""
 
+    def finish(self) -> None:
+        """End what is being worked on for any session."""
+
 
 class Lane:
     """Lets a session's packets be taken by compiled code whenever nothing but ordinary packets is to be expected.
@@ -273,8 +276,11 @@ class Lane:
 
         Other threads than the event loop's see the session as it stood when it was last settled.
         """
+        if threading.get_ident() != self._thread:
+            return
+        self._engine.finish()
         taken, pool = self._taken, self.pool
-        if not taken or pool is None or threading.get_ident() != self._thread:
+        if not taken or pool is None:
             return
         try:
             self._settle(taken, pool)

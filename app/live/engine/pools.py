@@ -1,5 +1,6 @@
 """Pools of live sessions with equal sensors and settings: rows, free slots, and the compiled calls of a turn."""
 
+import os
 from collections.abc import Hashable, Iterator, Sequence
 from typing import Any, Final
 
@@ -10,6 +11,7 @@ from app.live.blocks import HEAD_WORDS, PublishedBlock, block_heads, column_name
 from app.live.checks.recent import LATE_TICKS
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
+from app.live.engine.step_thread import StepThread, Take, asked, take_arms
 from app.network.placing.kernel import place
 from app.network.placing.slot import (
     FULL,
@@ -30,6 +32,8 @@ SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
 FRAME_ROWS: Final = LATE_TICKS
 """Ticks of a session whose frames wait until they are stored and shown to whoever wants all of them."""
+CORES: Final = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+"""With one a thread that estimates would only take the loop's time."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
@@ -76,7 +80,14 @@ def _columns(carried: int) -> dict[str, slice]:
 class SessionPool:
     """Rows for some sessions of one kind."""
 
-    def __init__(self, like: Pipeline, channels: int, carried: int, recent_ticks: int) -> None:
+    def __init__(
+        self,
+        like: Pipeline,
+        channels: int,
+        carried: int,
+        recent_ticks: int,
+        journals: tuple[Journal, Journal],
+    ) -> None:
         sensors = len(like.setup.placements)
         most_ticks = ITEMS * MOST_TICKS
         rows = SESSIONS * FRAME_ROWS
@@ -98,40 +109,83 @@ class SessionPool:
         self._numbers = np.empty(most_ticks * (self._width + HEAD_WORDS), dtype=np.float32)
         self._words = self._numbers.view(np.uint32)
         self._time_step_s = 1.0 / like.setup.rate_hz
+        self._count = 0
+        self._thread: StepThread | None = None
+        self._journals = journals
+        self._take: Take | None = None
+        if isinstance(self.kind, ArmPool):
+            self._take = self._take_arms(self.kind)
+            if CORES > 1:
+                self._thread = StepThread(self._take)
 
-    def take(
-        self, journal: Journal, slots: Sequence[int], offsets: Sequence[int], lengths: Sequence[int]
-    ) -> list[tuple[Any, ...]]:
-        """Take up to `ITEMS` packets, in the order in which they came.
+    def _take_arms(self, kind: ArmPool) -> Take:
+        arrays = (
+            self._items,
+            self._stretches,
+            self._journals[0].packets,
+            self._journals[1].packets,
+            self.network,
+            self._placed,
+            *kind.arrays,
+        )
+        return lambda request, byte: take_arms(request, byte, *arrays)
+
+    @property
+    def answers(self) -> int | None:
+        """File descriptor that can be read once what `ask` asked for is done; None where a pool has no thread."""
+        return None if self._thread is None else self._thread.answers
+
+    def fill(self, slots: Sequence[int], offsets: Sequence[int], lengths: Sequence[int]) -> None:
+        """Note which packets are to be taken next, up to `ITEMS`, in the order in which they came.
 
         Parameters
         ----------
-        journal : Journal
-            Unmasked.
         slots : sequence of int
         offsets, lengths : sequence of int
             Where they lie in the journal.
-
-        Returns
-        -------
-        list of tuple
-            Values of `ITEM`.
         """
-        count = len(slots)
-        items = self._items[:count]
+        self._count = len(slots)
+        items = self._items[: self._count]
         items["slot"] = slots
         items["offset"] = offsets
         items["length"] = lengths
-        place(self._items, count, journal.packets, self.network, self._placed, FRAME_ROWS)
+
+    def take(self, journal: int) -> None:
+        """Take them, from the first or the second journal, which is unmasked."""
+        if self._take is not None:
+            self._take(asked(self._count, journal, FRAME_ROWS), np.empty(1, dtype=np.uint8))
+            return
+        packets = self._journals[journal].packets
+        place(self._items, self._count, packets, self.network, self._placed, FRAME_ROWS)
         for name in _STEP_FIELDS:
-            self._stretches[name][:count] = items[name]
+            self._stretches[name][: self._count] = self._items[name][: self._count]
         self.kind.step(
-            self._stretches, count, self._placed.signals, self._placed.quality, self._placed.carried
+            self._stretches, self._count, self._placed.signals, self._placed.quality, self._placed.carried
         )
+
+    def ask(self, journal: int) -> None:
+        """Let the pool's thread take them; `wait` before anything else."""
+        assert self._thread is not None
+        self._thread.ask(self._count, journal, FRAME_ROWS)
+
+    def wait(self) -> None:
+        """Wait until they are taken; raises what taking them raised."""
+        assert self._thread is not None
+        self._thread.wait()
+
+    def rows(self) -> list[tuple[Any, ...]]:
+        """Return what was found of them: values of `ITEM`."""
+        items = self._items[: self._count]
         for slot in self.kind.errors:
             items["ticks"][items["slot"] == slot] = 0
         rows: list[tuple[Any, ...]] = items.tolist()
         return rows
+
+    def close(self) -> None:
+        """Let the pool's thread end."""
+        if self._thread is not None:
+            self._thread.close()
+            self._thread = None
 
     def frames(self, first_tick: int, row: int, ticks: int) -> Frames:
         """Return a copy of what was found in some ticks that wait.

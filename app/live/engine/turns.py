@@ -3,7 +3,8 @@
 A turn begins some milliseconds after the first packet that waits for it. Packets of sessions that are in a pool are
 checked, placed, estimated and written as blocks without the interpreter's lock; then Python stores and publishes them.
 Rare packets, and those of sessions in no pool, take the general way, in their order. Everything runs on the event
-loop's thread: whoever else moves a session on does so between two turns.
+loop's thread, but for the compiled calls of pools that have much to do, which a thread makes (`step_thread`). Whoever
+else reads a session or moves it on ends the turn first (`Lane.settle`): what is done to it is done between two turns.
 """
 
 import asyncio
@@ -29,12 +30,23 @@ until a turn works half as long. What is estimated and stored stays whole."""
 WAIT_PER_WORK: Final = 1.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
 
+ASKED: Final = 12
+"""Packets of one pool that are worth a wake of its thread, some 0.1 ms; fewer are taken at once."""
+
+_Items = list[tuple[Received, Lane]]
+_Part = tuple[SessionPool, _Items, list[_Items]]
+"""What a pool's thread works on, and what it is to work on after that."""
+
 
 class PooledEngine:
     """Takes packets and gives them to their sessions, many at a time; on the event loop's thread only."""
 
     def __init__(self) -> None:
-        self._journal = Journal()
+        self._filling, self._journals = 0, (Journal(), Journal())
+        """What came since the last turn began is in one of them; what a turn works on is in the other."""
+        self._open: list[_Part] = []
+        """Parts of the turn that threads work on."""
+        self._watched: set[int] = set()
         self._timer: asyncio.TimerHandle | None = None
         self._wait_s = SHORTEST_WAIT_S
         self._pools: dict[Hashable, list[SessionPool]] = {}
@@ -47,6 +59,7 @@ class PooledEngine:
         self.unshown = 0
         """Blocks that somebody would have watched, left out because turns were late."""
         self.is_late = False
+        self._worked_s, self._is_giving = 0.0, False
 
     def slot_for(
         self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
@@ -56,7 +69,7 @@ class PooledEngine:
         for pool in pools:
             if pool.free:
                 return pool, pool.free.pop()
-        pool = SessionPool(like, channels, carried, recent_ticks)
+        pool = SessionPool(like, channels, carried, recent_ticks, self._journals)
         pools.append(pool)
         return pool, pool.free.pop()
 
@@ -64,6 +77,8 @@ class PooledEngine:
         """Free a slot; a pool without sessions goes."""
         pool.free.append(slot)
         if len(pool.free) == SESSIONS:
+            self._forget_answers(pool)
+            pool.close()
             self._pools = {
                 key: left
                 for key, pools in self._pools.items()
@@ -83,35 +98,57 @@ class PooledEngine:
         arrival_s, arrival_ns
             As of `LiveSession.receive`.
         """
-        if not self._journal.add(sender, data, key, arrival_s, arrival_ns):
+        if not self._journals[self._filling].add(sender, data, key, arrival_s, arrival_ns):
             self.turn()
-            self._journal.add(sender, data, key, arrival_s, arrival_ns)
+            self._journals[self._filling].add(sender, data, key, arrival_s, arrival_ns)
         if self._timer is None:
-            self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.turn)
+            self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.begin)
 
     def turn(self) -> None:
         """Give all packets that wait to their sessions."""
+        self.begin()
+        self.finish()
+
+    def finish(self) -> None:
+        """End the turn that threads work on: whoever reads or moves a session sees it with all of its packets."""
+        while self._open:
+            self._end(self._open[0])
+
+    def begin(self) -> None:
+        """Begin to give all packets that wait to their sessions; what threads have to do of it ends later."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        received = self._journal.received
+        self.finish()
+        journal = self._journals[self._filling]
+        received = journal.received
         if not received:
             return
         began_s = time.perf_counter()
-        self._journal.unmask()
-        self._journal.received = []
+        journal.unmask()
+        journal.received = []
+        self._filling = 1 - self._filling
+        self._worked_s, self._is_giving = 0.0, True
         try:
             self._give(received)
         finally:
-            self._journal.clear()
-        worked_s = time.perf_counter() - began_s
+            self._is_giving = False
+            self._worked_s += time.perf_counter() - began_s
+            self._close_turn()
+
+    def _close_turn(self) -> None:
+        """Forget the turn's packets, unless some are still being worked on."""
+        if self._open or self._is_giving:
+            return
+        self._journals[1 - self._filling].clear()
+        worked_s = self._worked_s
         self.turns += 1
         self.longest_turn_s = max(self.longest_turn_s, worked_s)
         self.is_late = worked_s > (0.5 * LATE_S if self.is_late else LATE_S)
         self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
 
     def _give(self, received: list[Received]) -> None:
-        pooled: dict[SessionPool, list[tuple[Received, Lane]]] = {}
+        pooled: dict[SessionPool, _Items] = {}
         general: list[Received] = []
         places: dict[Lane, SessionPool | None] = {}
         for one in received:
@@ -130,8 +167,8 @@ class PooledEngine:
             else:
                 pooled[pool] = [(one, lane)]
         for pool, items in pooled.items():
-            for start in range(0, len(items), ITEMS):
-                self._take_part(pool, items[start : start + ITEMS])
+            parts = [items[start : start + ITEMS] for start in range(0, len(items), ITEMS)]
+            self._take_parts(pool, parts)
         for one in general:
             self._take_rare(one)
 
@@ -144,24 +181,83 @@ class PooledEngine:
             lane.session.line.stop(error)
             return None
 
-    def _take_part(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
-        try:
-            self._take(pool, items)
-        except Exception as error:
-            # Nothing was stored yet: the packets are, the general way, and nothing is estimated of them any more.
-            logger.exception("a turn of %d packets failed", len(items))
-            for one, lane in items:
-                lane.session.line.stop(error)
-                lane.forget()
-                self._take_rare(one)
+    def _take_parts(self, pool: SessionPool, parts: list[_Items]) -> None:
+        """Take parts one after the other; the pool's thread is asked where one is worth the asking."""
+        while parts:
+            items = parts.pop(0)
+            if pool.answers is not None and len(items) >= ASKED:
+                try:
+                    self._fill(pool, items)
+                    self._watch_answers(pool)
+                    pool.ask(1 - self._filling)
+                except Exception as error:
+                    self._failed(items, error)
+                    continue
+                self._open.append((pool, items, parts))
+                return
+            self._take_part(pool, items)
 
-    def _take(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
-        rows = pool.take(
-            self._journal,
+    def _watch_answers(self, pool: SessionPool) -> None:
+        answers = pool.answers
+        if answers is not None and answers not in self._watched:
+            asyncio.get_running_loop().add_reader(answers, self._answered, pool)
+            self._watched.add(answers)
+
+    def _forget_answers(self, pool: SessionPool) -> None:
+        answers = pool.answers
+        if answers in self._watched:
+            asyncio.get_running_loop().remove_reader(answers)
+            self._watched.discard(answers)
+
+    def _answered(self, pool: SessionPool) -> None:
+        for part in self._open:
+            if part[0] is pool:
+                self._end(part)
+                return
+
+    def _end(self, part: _Part) -> None:
+        """Give what a thread has found to the sessions, then go on with what is left for the pool."""
+        began_s = time.perf_counter()
+        pool, items, more = part
+        was_giving, self._is_giving = self._is_giving, True
+        try:
+            self._open.remove(part)
+            pool.wait()
+            self._show(pool, items)
+        except Exception as error:
+            self._failed(items, error)
+        self._take_parts(pool, more)
+        self._is_giving = was_giving
+        if not was_giving:
+            self._worked_s += time.perf_counter() - began_s
+            self._close_turn()
+
+    def _fill(self, pool: SessionPool, items: _Items) -> None:
+        pool.fill(
             [lane.slot for _, lane in items],
             [one[OFFSET] for one, _ in items],
             [one[LENGTH] for one, _ in items],
         )
+
+    def _take_part(self, pool: SessionPool, items: _Items) -> None:
+        try:
+            self._fill(pool, items)
+            pool.take(1 - self._filling)
+            self._show(pool, items)
+        except Exception as error:
+            self._failed(items, error)
+
+    def _failed(self, items: _Items, error: Exception) -> None:
+        # Nothing was stored yet: the packets are, the general way, and nothing is estimated of them any more.
+        logger.error("a turn of %d packets failed", len(items), exc_info=error)
+        for one, lane in items:
+            lane.session.line.stop(error)
+            lane.forget()
+            self._take_rare(one)
+
+    def _show(self, pool: SessionPool, items: _Items) -> None:
+        """Show, store and count what was found of a part."""
+        rows = pool.rows()
         watched = [
             number
             for number, ((_, lane), row) in enumerate(zip(items, rows, strict=True))
@@ -175,7 +271,7 @@ class PooledEngine:
             blocks = pool.blocks(watched, time.time())
             for number, block in zip(watched, blocks, strict=True):
                 items[number][1].blocks.publish(block)
-        now_s, journal = time.monotonic(), self._journal.bytes
+        now_s, journal = time.monotonic(), self._journals[1 - self._filling].bytes
         taken = 0
         for ((_, at, length, _, arrival_s, arrival_ns), lane), row in zip(items, rows, strict=True):
             if row[STATUS] != ORDINARY:
@@ -194,11 +290,9 @@ class PooledEngine:
         if taken < len(items):
             self._take_others(pool, items, rows)
 
-    def _take_others(
-        self, pool: SessionPool, items: list[tuple[Received, Lane]], rows: list[tuple[Any, ...]]
-    ) -> None:
+    def _take_others(self, pool: SessionPool, items: _Items, rows: list[tuple[Any, ...]]) -> None:
         """Take the packets that compiled code left."""
-        full: list[tuple[Received, Lane]] = []
+        full: _Items = []
         for (one, lane), row in zip(items, rows, strict=True):
             if row[STATUS] == RARE:
                 lane.forget()
@@ -218,7 +312,9 @@ class PooledEngine:
         self.rare += 1
         sender, at, length, _, arrival_s, arrival_ns = one
         try:
-            sender.take_rare(bytes(self._journal.bytes[at : at + length]), arrival_s, arrival_ns)
+            sender.take_rare(
+                bytes(self._journals[1 - self._filling].bytes[at : at + length]), arrival_s, arrival_ns
+            )
         except Exception as error:
             lane: Lane | None = sender.lane
             logger.exception("a packet could not be taken")

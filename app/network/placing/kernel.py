@@ -396,40 +396,36 @@ def _take(
         )
 
 
-@compiled(
-    VOID(
-        rows(ITEM),
-        types.int64,
-        bundle(Packets, types.uint8[::1], types.int16[::1], types.float32[::1], types.uint32[:, ::1]),
-        bundle(
-            Network,
-            rows(SLOT),
-            types.float64[:, :, :, ::1],
-            types.int64[:, ::1],
-            types.float64[:, :, :, :, ::1],
-            types.float64[:, :, :, :, ::1],
-            types.float64[:, :, :, :, ::1],
-            types.uint8[:, :, ::1],
-            types.float64[:, :, ::1],
-            types.float64[:, :, ::1],
-            types.int64[:, ::1],
-            types.int64,
-        ),
-        bundle(
-            Placed,
-            _NUMBERS,
-            _QUALITIES,
-            _NUMBERS,
-            _NUMBERS,
-            _QUALITIES,
-            _NUMBERS,
-            _QUALITIES,
-            _NUMBERS,
-            _NUMBERS,
-        ),
-        types.int64,
-    )
+PACKETS: Final = bundle(Packets, types.uint8[::1], types.int16[::1], types.float32[::1], types.uint32[:, ::1])
+NETWORK: Final = bundle(
+    Network,
+    rows(SLOT),
+    types.float64[:, :, :, ::1],
+    types.int64[:, ::1],
+    types.float64[:, :, :, :, ::1],
+    types.float64[:, :, :, :, ::1],
+    types.float64[:, :, :, :, ::1],
+    types.uint8[:, :, ::1],
+    types.float64[:, :, ::1],
+    types.float64[:, :, ::1],
+    types.int64[:, ::1],
+    types.int64,
 )
+PLACED: Final = bundle(
+    Placed,
+    _NUMBERS,
+    _QUALITIES,
+    _NUMBERS,
+    _NUMBERS,
+    _QUALITIES,
+    _NUMBERS,
+    _QUALITIES,
+    _NUMBERS,
+    _NUMBERS,
+)
+
+
+@compiled(VOID(rows(ITEM), types.int64, PACKETS, NETWORK, PLACED, types.int64))
 def place(
     items: NDArray[np.void],
     count: int,
@@ -464,4 +460,4 @@ def place(
         samples += sensors * item.ticks
 
 
-__all__ = ["place"]
+__all__ = ["NETWORK", "PACKETS", "PLACED", "place"]

@@ -11,7 +11,7 @@ from estimators.orientation.telemotion import TelemotionEstimator
 from estimators.pipelines._contract import Frames, Pipeline
 from estimators.pipelines.arm.pipeline import ArmPipeline
 from estimators.pipelines.arm.pooled_kernel import step_arms
-from estimators.pipelines.arm.rows import ArmTables, ArmWork, arm_rows, arm_work
+from estimators.pipelines.arm.rows import ArmRows, ArmTables, ArmWork, arm_rows, arm_work
 from estimators.pipelines.pooled import Columns, columns
 from estimators.recording import Float
 
@@ -148,7 +148,12 @@ class ArmPool:
         carried: Float,
     ) -> None:
         """Take the next ticks of some sessions; see `Pool.step`. What comes beside motion tells an arm nothing."""
-        step_arms(stretches, count, signals, quality, self.rows, self._tables, self._work, self.columns)
+        step_arms(stretches, count, signals, quality, *self.arrays)
+
+    @property
+    def arrays(self) -> tuple[ArmRows, ArmTables, ArmWork, Columns]:
+        """What `step_arms` works on."""
+        return self.rows, self._tables, self._work, self.columns
 
     def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
         """Carry on what a pipeline knows beside its rows; see `Pool.stepped`."""

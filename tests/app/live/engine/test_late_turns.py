@@ -102,7 +102,7 @@ def test_turns_are_late_until_one_works_half_as_long(
     monkeypatch.setattr(engine, "_give", lambda received: None)
     found = []
     for _ in range(3):
-        engine._journal.received = [(None, 0, 0, 0, 0.0, 0)]  # type: ignore[list-item]
+        engine._journals[engine._filling].received = [(None, 0, 0, 0, 0.0, 0)]  # type: ignore[list-item]
         engine.turn()
         found.append(engine.is_late)
     assert found == [True, True, False]

@@ -1,0 +1,219 @@
+"""What is shown, stored and estimated is the same where a thread takes the packets while the event loop goes on."""
+
+import asyncio
+import gc
+import os
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import Engine
+
+from app.live.engine import turns
+from app.live.engine.pools import SessionPool
+from app.live.engine.step_thread import StepThread
+from app.live.manager import LiveManager
+from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
+from tests.app.live.engine.test_both_ways import (
+    ARM,
+    SECONDS,
+    Pair,
+    manager,
+    no_checks,
+    pair_of,
+    shows_all,
+)
+from tests.app.live.live_load import remember, swaying
+
+__all__ = ["manager", "no_checks", "shows_all"]
+
+PLAIN = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let a thread take every packet; how many it was asked for each time."""
+    counts: list[int] = []
+    ask = SessionPool.ask
+
+    def noted(pool: SessionPool, journal: int) -> None:
+        counts.append(pool._count)
+        ask(pool, journal)
+
+    monkeypatch.setattr(turns, "ASKED", 1)
+    monkeypatch.setattr("app.live.engine.pools.CORES", 2)
+    monkeypatch.setattr(SessionPool, "ask", noted)
+    return counts
+
+
+async def begun(manager: LiveManager, world: Any, engine: Engine) -> tuple[Pair, list[bytes]]:
+    """A pair of sessions, of which both have their first packet and stand in a pool."""
+    calibration, whole = swaying(SECONDS)
+    remember(engine, world.patient_id, calibration)
+    stream = worn(whole, ARM)
+    pair = await pair_of(manager, world, stream)
+    packets = packets_of(stream, PLAIN, np.random.default_rng(0))
+    pair.give(packets[:2], np.random.default_rng(0))
+    return pair, packets[2:]
+
+
+def offered(pair: Pair, packets: list[bytes], first: int = 0) -> None:
+    for number, data in enumerate(packets, first):
+        offer(pair.manager.pooled, pair.pooled, data, 0, 200.0 + 0.05 * number)
+
+
+def general(pair: Pair, packets: list[bytes]) -> None:
+    for number, data in enumerate(packets):
+        at_s = 200.0 + 0.05 * number
+        pair.general.take_rare(data, at_s, int(1e9 * at_s))
+
+
+def test_the_same_bits_where_answers_come_while_the_loop_goes_on(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        general(pair, packets)
+        asked.clear()
+        sizes = np.random.default_rng(3).integers(1, 9, len(packets))
+        at = 0
+        for size in sizes.tolist():
+            offered(pair, packets[at : at + size], at)
+            at += size
+            # Long enough for a turn to begin, and sometimes for its answer.
+            await asyncio.sleep(0.002 * size)
+        manager.pooled.turn()
+        assert sum(asked) == len(packets)
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
+
+
+def test_who_reads_a_session_sees_what_a_thread_was_asked_for(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        session = pair.sessions[1]
+        before = session.parts.clock.highest
+        offered(pair, packets[:7])
+        asked.clear()
+        manager.pooled.begin()
+        assert asked == [7]
+        assert manager.pooled._open
+        assert session.parts.clock.highest == before + 7
+        assert not manager.pooled._open
+        # What comes while a thread works waits in the other journal.
+        offered(pair, packets[7:9], 7)
+        manager.pooled.begin()
+        offered(pair, packets[9:12], 9)
+        manager.pooled.turn()
+        general(pair, packets[:12])
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
+
+
+def test_more_packets_than_one_call_takes_are_asked_for_one_after_the_other(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(turns, "ITEMS", 5)
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        general(pair, packets[:12])
+        asked.clear()
+        offered(pair, packets[:12])
+        deadline_s = time.monotonic() + 10.0
+        while sum(asked) < 12 or manager.pooled._open:
+            assert time.monotonic() < deadline_s, asked
+            await asyncio.sleep(0.001)
+        assert asked == [5, 5, 2]
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
+
+
+def test_a_failure_in_the_thread_ends_the_estimation_and_stores_the_packets(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        session = pair.sessions[1]
+        wait = StepThread.wait
+
+        def fails(thread: StepThread) -> None:
+            wait(thread)
+            raise FloatingPointError("made for a test")
+
+        stored = session.ledger.received.highest
+        monkeypatch.setattr(StepThread, "wait", fails)
+        offered(pair, packets[:4])
+        manager.pooled.turn()
+        monkeypatch.setattr(StepThread, "wait", wait)
+        offered(pair, packets[4:6], 4)
+        manager.pooled.turn()
+        assert not session.line.is_running
+        assert session.ledger.received.highest == stored + 6
+        assert pair.sessions[0].line.is_running
+
+    asyncio.run(run())
+
+
+def threads() -> set[threading.Thread]:
+    return {thread for thread in threading.enumerate() if thread.name == "pool-step"}
+
+
+def ended(thread: threading.Thread) -> bool:
+    thread.join(10.0)
+    return not thread.is_alive()
+
+
+def test_the_thread_ends_with_its_pool(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    before = threads()
+
+    async def run() -> None:
+        pair, _ = await begun(manager, world, engine)
+        (own,) = threads() - before
+        for session in pair.sessions:
+            if session.lane is not None:
+                session.lane.leave()
+        assert ended(own)
+
+    asyncio.run(run())
+
+
+def failing(calls: list[int]) -> Callable[[Any, Any], None]:
+    """What a compiled step would be that fails at first and then takes its requests."""
+
+    def take(request: Any, byte: Any) -> None:
+        while os.read(int(request[3]), 1):
+            calls.append(int(request[0]))
+            if len(calls) == 1:
+                raise ZeroDivisionError
+            os.write(int(request[4]), b"\1")
+
+    return take
+
+
+def test_a_thread_goes_on_after_a_failure_and_ends_when_it_is_forgotten() -> None:
+    before, calls = threads(), []
+    thread = StepThread(failing(calls))
+    (own,) = threads() - before
+    thread.ask(3, 0, 1)
+    with pytest.raises(ZeroDivisionError):
+        thread.wait()
+    thread.ask(4, 1, 1)
+    thread.wait()
+    assert calls == [3, 4]
+    del thread
+    gc.collect()
+    assert ended(own)
