@@ -46,6 +46,8 @@ logger = logging.getLogger(__name__)
 _NOT_CLOSED = say("live.not_closed")
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
+ENDINGS: Final = 4
+"""Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
 
 @dataclass
@@ -107,6 +109,7 @@ class LiveManager(SteeredSide):
         # A lock lives as long as somebody opens or closes the session.
         self._opening: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._closing: dict[str, asyncio.Task[None]] = {}
+        self._endings = asyncio.Semaphore(ENDINGS)
         self._housekeeping = Housekeeping(
             lambda: self.sessions,
             self._intakes.__contains__,
@@ -382,11 +385,12 @@ class LiveManager(SteeredSide):
 
     async def _finish(self, session_id: str, session: LiveSession | None) -> None:
         try:
-            if session is not None:
-                await session.finish()
-            else:
-                await until_written(partial(repository.end_abandoned, self.engine, session_id))
-            await until_written(partial(self._on_closed, session_id))
+            async with self._endings:
+                if session is not None:
+                    await session.finish()
+                else:
+                    await until_written(partial(repository.end_abandoned, self.engine, session_id))
+                await until_written(partial(self._on_closed, session_id))
         except Exception as error:
             # Whatever it was, the session must not stay `closing` for ever: what is stored can be analysed.
             logger.exception("session %s could not be closed", session_id)

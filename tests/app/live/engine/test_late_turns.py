@@ -9,7 +9,7 @@ from sqlalchemy import Engine
 
 from app.live.engine import turns
 from app.live.engine.pools import FRAME_ROWS
-from app.live.manager import LiveManager
+from app.live.manager import ENDINGS, LiveManager
 from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
 from tests.app.live.engine.test_both_ways import (
     ARM,
@@ -106,3 +106,28 @@ def test_turns_are_late_until_one_works_half_as_long(
         engine.turn()
         found.append(engine.is_late)
     assert found == [True, True, False]
+
+
+class Ending:
+    """A session that ends; counts how many do at the same time."""
+
+    lane = None
+    running = most = 0
+
+    async def finish(self) -> None:
+        Ending.running += 1
+        Ending.most = max(Ending.most, Ending.running)
+        await asyncio.sleep(0.01)
+        Ending.running -= 1
+
+
+def test_sessions_that_end_together_end_a_few_at_a_time(manager: LiveManager) -> None:
+    """A clinic's evening ends within seconds; who streams on must not wait for it."""
+    sessions = [Ending() for _ in range(3 * ENDINGS)]
+
+    async def run() -> None:
+        await asyncio.gather(*(manager._finish(str(n), one) for n, one in enumerate(sessions)))  # type: ignore[arg-type]
+
+    asyncio.run(run())
+    assert all(one.is_finished for one in sessions)  # type: ignore[attr-defined]
+    assert Ending.most == ENDINGS
