@@ -1,4 +1,4 @@
-"""`/ws/ingest`: a gateway's connection, from its hello to its goodbye.
+"""A gateway's connection, from its hello to its goodbye: over `/ws/ingest`, or over whatever else is a `GatewaySocket`.
 
 The first message is a JSON hello with a one-use ticket; then binary packets, or JSON packets at low rate. The
 server acknowledges a few times a second what is durably stored, and says what is missing. A wrong
@@ -13,20 +13,17 @@ import random
 import time
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
-from fastapi import WebSocket
 from pydantic import Field, TypeAdapter, ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
+from app.ingest.contract import GatewaySocket, Intake, PacketSink
 from app.network.conversation import until_first_ends
-from app.network.declaration import Declaration, check_hello
-from app.network.lean_sockets import lean_socket
+from app.network.declaration import check_hello
+from app.network.lean_sockets import LeanSocket
 from app.network.messages import (
-    AcknowledgeMessage,
-    ActuateMessage,
-    ActuationPlanMessage,
     ErrorMessage,
     GoodbyeMessage,
     HelloMessage,
@@ -58,80 +55,6 @@ TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
 
 
-class PooledPackets(Protocol):
-    """Takes packets of many sessions together; implemented by the live side."""
-
-    def offer(
-        self, sender: "IngestConnection", data: memoryview, key: int, arrival_s: float, arrival_ns: int
-    ) -> None:
-        """Take a packet as it came, masked; it is given to its session soon, or to `IngestConnection.take_rare`."""
-
-
-class Intake(Protocol):
-    """One connection's way into its session."""
-
-    pooled: PooledPackets
-    ended: asyncio.Event
-    """Set when the connection must end; `end_error` says why."""
-    end_error: TelemotionError
-
-    @property
-    def lane(self) -> Any:
-        """The session's place among those whose packets are taken together."""
-
-    @property
-    def session_id(self) -> str:
-        """The session that the ticket named."""
-
-    @property
-    def declaration(self) -> Declaration:
-        """What packets must fit."""
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the session takes packets."""
-
-    @property
-    def taken(self) -> int:
-        """How many of its packets were taken together with others'."""
-
-    @property
-    def is_finished(self) -> bool:
-        """Whether the session is closed and all of it is stored."""
-
-    def receive(self, packet: Packet, arrival_s: float, arrival_ns: int) -> bool:
-        """Take one packet; False when it was here before. Raises typed errors."""
-
-    def acknowledge(self) -> AcknowledgeMessage:
-        """Return what the gateway may forget and what it should send again."""
-
-    def goodbye(self, last_sequence: int) -> None:
-        """Note that nothing above `last_sequence` will come."""
-
-    async def check_right(self) -> None:
-        """Raise when the gateway has lost its right since it connected."""
-
-    async def next_order(self) -> ActuateMessage | ActuationPlanMessage:
-        """Wait for what the magnetic source is to do next; for ever where there is none."""
-
-    def end(self, error: TelemotionError) -> None:
-        """Have the connection ended for a reason."""
-
-    def detach(self) -> None:
-        """Note that the connection has ended."""
-
-
-class PacketSink(Protocol):
-    """Where packets go; implemented by the live side, wired by `app.main` as `Services.live`."""
-
-    @property
-    def check_every_s(self) -> float:
-        """How often the right of a connection is checked again."""
-
-    async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
-        """Open the session of the hello's ticket. Raises typed errors."""
-
-
 @dataclass
 class IngestMetrics:
     """Counters of all connections since the start."""
@@ -154,14 +77,21 @@ class IngestConnection:
 
     Parameters
     ----------
-    websocket : WebSocket
-        Accepted.
+    websocket : GatewaySocket
     sink : PacketSink
     speed : float
         Seconds of signal that are read in a second, see `Pace`.
+    lean : LeanSocket, optional
+        The short way for packets, where the link has one.
     """
 
-    def __init__(self, websocket: WebSocket, sink: PacketSink, speed: float = math.inf) -> None:
+    def __init__(
+        self,
+        websocket: GatewaySocket,
+        sink: PacketSink,
+        speed: float = math.inf,
+        lean: LeanSocket | None = None,
+    ) -> None:
         self._websocket = websocket
         self._sink = sink
         self._pace = Pace(speed)
@@ -171,7 +101,7 @@ class IngestConnection:
         self._errors_sent = 0
         self._wrong_in_a_row = 0
         self._taken_before = 0
-        self._socket = lean_socket(websocket)
+        self._socket = lean
         self._intake: Intake | None = None
         self._lane: Any = None
         self._held: deque[tuple[bytes, float, int]] = deque()

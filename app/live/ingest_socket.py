@@ -7,6 +7,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected
 
 from app.ingest.websocket import IngestConnection
 from app.live.side import LiveSide
+from app.network.lean_sockets import lean_socket
 from app.services import services_of
 
 router = APIRouter()
@@ -17,7 +18,8 @@ async def ingest(websocket: WebSocket) -> None:
     """Serve one gateway."""
     await websocket.accept()
     services = services_of(websocket)
-    connection = IngestConnection(websocket, services.get(LiveSide), services.settings.stream_speed)
+    speed = services.settings.stream_speed
+    connection = IngestConnection(websocket, services.get(LiveSide), speed, lean_socket(websocket))
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
 

@@ -183,7 +183,7 @@ class LiveManager(SteeredSide):
     # --- gateways ---------------------------------------------------------------------------------------
 
     async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
-        """Open the session of a hello's ticket; implements `app.ingest.websocket.PacketSink`.
+        """Open the session of a hello's ticket; implements `app.ingest.contract.PacketSink`.
 
         Raises
         ------

@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 
 from sqlalchemy import Engine
 
-from app.ingest.websocket import Intake
+from app.ingest.contract import Intake
 from app.live.bus import Bus
 from app.live.guidance.desk import GuidanceDesk
 from app.live.messages import StateMessage
@@ -27,7 +27,7 @@ CHECKS_SHARE: Final = 0.03
 
 
 class LiveSide(ABC):
-    """Where gateways' packets go, and where views learn of sessions; implements `app.ingest.websocket.PacketSink`.
+    """Where gateways' packets go, and where views learn of sessions; implements `app.ingest.contract.PacketSink`.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ import time
 from collections.abc import Awaitable, Callable
 
 from app.errors import Conflict, TelemotionError, Unavailable
-from app.ingest.websocket import PooledPackets
+from app.ingest.contract import PooledPackets
 from app.live.engine.lane import Lane
 from app.live.session.actuation import Order
 from app.live.session.runner import LiveSession
@@ -20,7 +20,7 @@ from app.sentences import say
 class Intake:
     """One gateway connection's way into its session; a newer connection takes its place.
 
-    Implements `app.ingest.websocket.Intake`.
+    Implements `app.ingest.contract.Intake`.
     """
 
     def __init__(

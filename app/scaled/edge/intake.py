@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from app.errors import Conflict, TelemotionError, Unavailable
-from app.ingest.websocket import IngestConnection, PooledPackets
+from app.ingest.contract import PacketSender, PooledPackets
 from app.live.session.ledger import SequenceLedger
 from app.live.session.states import OPEN
 from app.network.declaration import Declaration
@@ -29,10 +29,10 @@ _WRAP = 1 << 32
 
 
 class Unmasking:
-    """Gives packets of the short way to their connection, one by one; see `app.ingest.websocket.PooledPackets`."""
+    """Gives packets of the short way to their connection, one by one; see `app.ingest.contract.PooledPackets`."""
 
     def offer(
-        self, sender: IngestConnection, data: memoryview, key: int, arrival_s: float, arrival_ns: int
+        self, sender: PacketSender, data: memoryview, key: int, arrival_s: float, arrival_ns: int
     ) -> None:
         """Take a packet as it came, masked."""
         packet = bytes(data)
@@ -56,7 +56,7 @@ class Text:
 
 
 class EdgeIntake:
-    """One gateway's way into the stream; implements `app.ingest.websocket.Intake`.
+    """One gateway's way into the stream; implements `app.ingest.contract.Intake`.
 
     Parameters
     ----------
