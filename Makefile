@@ -140,7 +140,7 @@ accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md an
 
 lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
-	grep -oE '"nats-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
+	grep -oE '"(nats|paho)-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
 
 wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client
 	@rm -rf app/static && cp -r web/dist app/static

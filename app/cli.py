@@ -92,6 +92,26 @@ def worker(
     command.worker(host, port)
 
 
+@cli.command("nats-config")
+def nats_config(
+    out: Annotated[
+        Path, typer.Argument(help="File to write; it holds a password, and only you may read it.")
+    ],
+    listen: Annotated[str, typer.Option(help="Where edges and workers connect.")] = "127.0.0.1:4222",
+    mqtt: Annotated[str, typer.Option(help="Where gateways connect by MQTT.")] = "127.0.0.1:1883",
+    store: Annotated[str, typer.Option(help="Folder of the server's streams.")] = "var/nats",
+    name: Annotated[str, typer.Option(help="Of the server.")] = "telemotion",
+    tls: Annotated[str, typer.Option(help="CERTIFICATE,KEY: files of the TLS for gateways.")] = "",
+) -> None:
+    """Write the configuration of a NATS server that takes gateways by MQTT, where edges say which of them may connect.
+
+    TELEMOTION_SECRET_KEY and TELEMOTION_NATS_URL, with user and password, are those of the edges.
+    """
+    from app.commands import scaled as command
+
+    command.nats_config(listen, mqtt, store, name, tls, out)
+
+
 @cli.command()
 def migrate() -> None:
     """Bring the database of TELEMOTION_DATABASE_URL to the newest schema."""

@@ -5,6 +5,7 @@ import contextlib
 import logging
 import os
 import socket
+from collections.abc import Callable
 from contextlib import AsyncExitStack
 from functools import partial
 from typing import Any, Final
@@ -34,6 +35,7 @@ from app.scaled.broker import Broker, connect
 from app.scaled.edge.feed import FeedBus
 from app.scaled.edge.forwarding import forwarding_router
 from app.scaled.edge.side import EdgeSide
+from app.scaled.mqtt.door import open_door
 from app.scaled.wire import Answer, Request, partition_of, subject
 from app.scaled.worker.holder import Worker
 from app.scaled.worker.sessions import OfWorker
@@ -76,9 +78,17 @@ async def open_edge(
     hours = settings.implant_confirmation_hours
     side = services.add(EdgeSide(services.engine, broker, feed, services.limits, hours), LiveSide)
     stack.push_async_callback(side.stop)
+    measured: dict[str, tuple[str, Callable[[], float]]] = {
+        "gateways": ("Gateways connected.", lambda: side.session_count)
+    }
     await open_viewer(services, stack)
     await _watch_readiness(services, stack, lock)
-    services.add(observe_part(services, {"gateways": ("Gateways connected.", lambda: side.session_count)}))
+    if settings.mqtt:
+        door = open_door(settings, services.engine, broker, side)
+        await door.start()
+        stack.push_async_callback(door.stop)
+        measured["mqtt_gateways"] = ("Of them by MQTT.", lambda: door.count)
+    services.add(observe_part(services, measured))
     return services
 
 

@@ -205,6 +205,10 @@ class Settings(BaseSettings):
     nats_ca: Path | None = Field(
         default=None, description="Certificate authority of the NATS servers; by default those of the system."
     )
+    mqtt: bool = Field(
+        default=False,
+        description="Of an edge: take gateways by MQTT, through NATS servers configured by `telemotion nats-config`.",
+    )
     partitions: int = Field(
         default=8,
         ge=1,

@@ -1,5 +1,6 @@
-"""`telemotion edge` and `telemotion worker`: the parts of a service on many machines."""
+"""`telemotion edge`, `telemotion worker` and `telemotion nats-config`: the parts of a service on many machines."""
 
+from pathlib import Path
 from typing import Final
 
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -53,6 +54,29 @@ def worker(host: str, port: int) -> None:
         run_application(settings, _Guarded(create_worker(settings, lock, name)), listener)
 
 
+def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, out: Path) -> None:
+    """Write the configuration of a NATS server that takes gateways by MQTT.
+
+    Parameters
+    ----------
+    listen, mqtt, store, name, tls : str
+        See `app.scaled.mqtt.configuration`.
+    out : Path
+        Only its owner may read it: it holds the password of edges and workers.
+
+    Raises
+    ------
+    InvalidInput
+        `TELEMOTION_NATS_URL` names no user and password.
+    """
+    from app.scaled.mqtt.configuration import configuration
+
+    text = configuration(Settings(), listen=listen, mqtt=mqtt, store=store, name=name, tls=tls)
+    out.unlink(missing_ok=True)
+    out.touch(mode=0o600)
+    out.write_text(text)
+
+
 class _Guarded:
     """Answers nothing but `OPEN_PATHS`."""
 
@@ -69,4 +93,4 @@ class _Guarded:
             await send({"type": "websocket.close", "code": 1008})
 
 
-__all__ = ["edge", "worker"]
+__all__ = ["edge", "nats_config", "worker"]

@@ -25,7 +25,7 @@ class GatewaySocket(Protocol):
         Raises
         ------
         TelemotionError
-            The conversation cannot go on; its gateway is told why.
+            The conversation cannot go on, for this reason.
         """
 
     async def send_text(self, data: str) -> None:

@@ -28,7 +28,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "stored.refused": "The database refused its data.",
     "scaled.fenced": "Another worker holds these sessions by now; nothing of this one is stored any more.",
     "scaled.moving": "The session is moving to another machine; it goes on in a moment.",
+    "scaled.mqtt_lost": "Messages were lost on the way; connect anew and send again what is missing.",
     "scaled.no_broker": "NATS cannot be reached: {reason}. Check TELEMOTION_NATS_URL and whether it runs.",
+    "scaled.no_nats_password": "TELEMOTION_NATS_URL must name a user and a password, as in"
+    " nats://telemotion:PASSWORD@host:4222.",
     "scaled.no_gateways_here": "Gateways connect to an edge, not to a worker.",
     "service.no_process": "No process can be started at this moment; try again.",
     "limit.views": "Close one, or try again in a minute.",

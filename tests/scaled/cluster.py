@@ -9,14 +9,17 @@ import time
 from pathlib import Path
 
 import httpx
+from pydantic import SecretStr
 
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
+from app.scaled.mqtt.configuration import configuration
+from app.settings import Settings
 from tests.app.serving import free_port
 from tests.benchmarks.service import EMAIL as EMAIL
 from tests.benchmarks.service import PASSWORD as PASSWORD
-from tests.benchmarks.service import ROOT, add_clinic, add_patient, compile_usual, environment_of
+from tests.benchmarks.service import ROOT, SECRET, add_clinic, add_patient, compile_usual, environment_of
 
 SERVER = shutil.which("nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
 PATIENCE_S = 300.0
@@ -34,7 +37,7 @@ class Cluster:
 
     def __init__(self, folder: Path, url: str, calibration: dict[str, object]) -> None:
         self.folder, self.url = folder, url
-        self.nats_port = free_port()
+        self.nats_port, self.mqtt_port = free_port(), free_port()
         self._calibration = calibration
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self.ports: dict[str, int] = {}
@@ -44,10 +47,21 @@ class Cluster:
             self.patient_id = add_patient(session, add_clinic(session), EMAIL, calibration)
         engine.dispose()
 
+    @property
+    def nats_url(self) -> str:
+        """Where edges and workers find the broker."""
+        return f"nats://telemotion:only-for-tests@127.0.0.1:{self.nats_port}"
+
+    @property
+    def mqtt_url(self) -> str:
+        """Where gateways find it by MQTT."""
+        return f"mqtt://127.0.0.1:{self.mqtt_port}"
+
     def environment(self, port: int) -> dict[str, str]:
         """Return that of a part."""
         return environment_of(self.url, self.folder / "data", port) | {
-            "TELEMOTION_NATS_URL": f"nats://127.0.0.1:{self.nats_port}",
+            "TELEMOTION_NATS_URL": self.nats_url,
+            "TELEMOTION_MQTT": "true",
             "TELEMOTION_PARTITIONS": "4",
             "TELEMOTION_LEASE_SECONDS": "1.5",
             "PYTHONWARNINGS": "ignore:resource_tracker",
@@ -56,16 +70,16 @@ class Cluster:
     def start_broker(self) -> None:
         """Start NATS on its port and folder, also anew."""
         assert SERVER, "nats-server is in the test extra"
-        command = [
-            SERVER,
-            "-js",
-            "-sd",
-            str(self.folder / "nats"),
-            "-a",
-            "127.0.0.1",
-            "-p",
-            str(self.nats_port),
-        ]
+        file = self.folder / "nats.conf"
+        settings = Settings(secret_key=SecretStr(SECRET), nats_url=SecretStr(self.nats_url))
+        text = configuration(
+            settings,
+            listen=f"127.0.0.1:{self.nats_port}",
+            mqtt=f"127.0.0.1:{self.mqtt_port}",
+            store=str(self.folder / "nats"),
+        )
+        file.write_text(text)
+        command = [SERVER, "-c", str(file)]
         with (self.folder / "nats.log").open("ab") as log:
             self.processes["nats"] = subprocess.Popen(command, stderr=log, stdout=log)
 

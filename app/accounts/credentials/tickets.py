@@ -108,6 +108,24 @@ def redeem_ticket(session: Session, token: str, purpose: Purpose, session_id: st
     return Redeemed(_subject(session, row), row.session_id)
 
 
+def is_open(session: Session, token: str, purpose: Purpose) -> bool:
+    """Return whether a ticket could be redeemed now; it stays unused.
+
+    Parameters
+    ----------
+    session : Session
+    token : str
+    purpose : {"ingest", "live", "viewer"}
+    """
+    found = select(Ticket.id).where(
+        Ticket.token_hash == hash_token(token),
+        Ticket.purpose == purpose,
+        Ticket.used_at.is_(None),
+        Ticket.expires_at > utc_now(),
+    )
+    return session.scalar(found) is not None
+
+
 def _subject(session: Session, row: Ticket) -> Subject:
     if row.device_token_id is not None:
         device = session.get(DeviceToken, row.device_token_id)

@@ -79,7 +79,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "format_text.qmt_mat": "MATLAB-Datei mit 16 benannten Sensoren; Arme und Rumpf werden verwendet",
     "scaled.fenced": "Ein anderer Rechner führt diese Sitzungen inzwischen; von diesem wird nichts mehr gespeichert.",
     "scaled.moving": "Die Sitzung wechselt auf einen anderen Rechner; sie geht gleich weiter.",
+    "scaled.mqtt_lost": "Unterwegs gingen Nachrichten verloren; neu verbinden und senden, was fehlt.",
     "scaled.no_broker": "NATS ist nicht erreichbar: {reason}. Prüfen Sie TELEMOTION_NATS_URL und ob es läuft.",
+    "scaled.no_nats_password": "TELEMOTION_NATS_URL muss Namen und Passwort nennen, wie in"
+    " nats://telemotion:PASSWORT@rechner:4222.",
     "scaled.no_gateways_here": "Gateways verbinden sich mit einem Zugangsrechner (edge), nicht mit einem Arbeitsrechner"
     " (worker).",
 }

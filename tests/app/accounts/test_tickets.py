@@ -6,7 +6,7 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import select, update
 
-from app.accounts.credentials.tickets import issue_ticket, redeem_ticket
+from app.accounts.credentials.tickets import is_open, issue_ticket, redeem_ticket
 from app.accounts.models import Account, DeviceToken, Ticket
 from app.accounts.subject import Subject
 from app.database.base import utc_now
@@ -40,6 +40,23 @@ def test_a_ticket_says_who_and_where_once(engine, issue, world):
         redeem(engine, token)
     with read_only(engine) as session:
         assert session.scalars(select(Ticket.token_hash)).one() != token
+
+
+def test_looking_at_a_ticket_does_not_use_it(engine, issue):
+    def looked(token, purpose="live"):
+        with read_only(engine) as session:
+            return is_open(session, token, purpose)
+
+    token = issue()
+    assert looked(token)
+    assert not looked(token, "ingest")
+    assert not looked("made up")
+    redeem(engine, token)
+    assert not looked(token)
+    late = issue()
+    with unit_of_work(engine) as session:
+        session.execute(update(Ticket).values(expires_at=utc_now() - timedelta(milliseconds=1)))
+    assert not looked(late)
 
 
 def test_a_ticket_is_for_its_purpose_and_session_only(engine, issue):
