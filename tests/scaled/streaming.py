@@ -22,13 +22,19 @@ JUST_SENT_S = 0.3
 
 
 class RovingGateway(GatewayClient):
-    """A gateway that knows several edges, and tries the next one when it has lost the one before."""
+    """A gateway that knows several edges, and tries the next one when it has lost the one before.
 
-    def __init__(self, clients: Sequence[ServiceClient], session_id: str, stream: DeviceStream) -> None:
+    By MQTT it asks the next one for a ticket only: which edge has the conversation it does not know.
+    """
+
+    def __init__(
+        self, clients: Sequence[ServiceClient], session_id: str, stream: DeviceStream, mqtt_url: str = ""
+    ) -> None:
         self._clients = itertools.cycle(clients)
         self._client = next(self._clients)
+        self._mqtt_url = mqtt_url
         super().__init__(
-            self._client.ingest_url,
+            mqtt_url or self._client.ingest_url,
             lambda: self._client.ticket(session_id),
             stream.hello,
             give_up_s=LONGEST_BACK_S,
@@ -38,7 +44,7 @@ class RovingGateway(GatewayClient):
     async def _connect_once(self) -> None:
         if not self._is_first:
             self._client = next(self._clients)
-            self._url = self._client.ingest_url
+            self._url = self._mqtt_url or self._client.ingest_url
         self._is_first = False
         await super()._connect_once()
 
@@ -54,11 +60,12 @@ class Roving(Session):
         stream: DeviceStream,
         *,
         holds: bool = False,
+        mqtt_url: str = "",
     ) -> None:
         first = number % len(clients)
         own = [*clients[first:], *clients[:first]]
         super().__init__(number, session_id, own[0], stream)
-        self.gateway = RovingGateway(own, session_id, stream)
+        self.gateway = RovingGateway(own, session_id, stream, mqtt_url)
         self._views = itertools.cycle([*own[1:], own[0]])
         self._holds = holds
         self.shown: dict[int, bytes] = {}

@@ -1,20 +1,20 @@
-"""Edge, broker and database are killed in mid-stream; `tests/benchmarks/scaled/kills.py` does so many times."""
+"""Edge, broker and database are killed in mid-stream, and one gateway of three comes by MQTT.
+
+`tests/benchmarks/scaled/kills.py` kills many times.
+"""
 
 import asyncio
-import shutil
-import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from app.gateway import DeviceStream
-from tests.app.live.live_load import swaying
 from tests.scaled.cluster import Cluster
 from tests.scaled.database import Database
-from tests.scaled.killing import streaming
+from tests.scaled.killing import Calibration, streaming, whole_service
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
+pytest.importorskip("paho.mqtt", reason="the extra `scaled` is not installed")
 pytestmark = [pytest.mark.slow, pytest.mark.postgres]
 
 SESSIONS = 3
@@ -22,32 +22,22 @@ BETWEEN_S = 2.0
 SHOWN_WITHIN_S = 20.0
 """Of a kill; tests share their machine. What is asked for is measured by the benchmark."""
 
-Started = tuple[Cluster, Database, DeviceStream]
+Started = tuple[Cluster, Database, DeviceStream, Calibration]
 
 
 @pytest.fixture(scope="module")
 def started() -> Iterator[Started]:
     """One service for all tests here: each leaves it whole."""
-    # A path short enough for the socket of PostgreSQL.
-    folder = Path(tempfile.mkdtemp(prefix="tm-"))
-    calibration, stream = swaying(62.85)
-    database = Database(folder / "pg")
-    cluster = Cluster(folder, database.make(), calibration)
-    try:
-        cluster.begin()
-        yield cluster, database, stream
-    finally:
-        cluster.close()
-        database.close()
-        shutil.rmtree(folder, ignore_errors=True)
+    with whole_service() as running:
+        yield running
 
 
 @pytest.mark.parametrize("name", ["edge0", "nats", "database"])
 def test_nothing_acknowledged_is_lost_and_frames_go_on(started: Started, name: str) -> None:
-    cluster, database, stream = started
+    cluster, database, stream, _ = started
 
     async def run() -> None:
-        async with streaming(cluster, database, stream, SESSIONS) as going:
+        async with streaming(cluster, database, stream, SESSIONS, by_mqtt={1}) as going:
             await asyncio.sleep(BETWEEN_S)
             seen = await going.kill(name)
             print(f"{name}: frames {max(seen.shown_s):.2f} s after it")
@@ -63,7 +53,7 @@ def test_nothing_acknowledged_is_lost_and_frames_go_on(started: Started, name: s
 def test_a_session_that_is_closed_while_its_gateway_sends_has_all_that_was_acknowledged(
     started: Started,
 ) -> None:
-    cluster, database, stream = started
+    cluster, database, stream, _ = started
 
     async def run() -> None:
         async with streaming(cluster, database, stream, SESSIONS) as going:

@@ -95,6 +95,12 @@ class SimulateOptions:
         Path | None,
         typer.Option("--to", help="With --bursts: write a packet log for `process`, without any service."),
     ] = None
+    mqtt: Annotated[
+        str,
+        typer.Option(
+            help="Send by MQTT, to the listener at mqtt://host:port or mqtts://host:port; needs the extra `scaled`."
+        ),
+    ] = ""
 
 
 def simulate(options: SimulateOptions) -> None:

@@ -59,6 +59,7 @@ class Options:
     seed: int = 1
     purpose: str = "exercise"
     forever: bool = False
+    mqtt: str = ""
 
 
 def scenario_of(options: Options) -> ArmScenario:
@@ -175,7 +176,10 @@ async def stream(
         beside = asyncio.create_task(alongside(device, scenario, created.id), name="alongside")
     try:
         report = await GatewayClient(
-            service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
+            options.mqtt or service.ingest_url,
+            lambda: service.ticket(created.id),
+            device.hello,
+            pace=options.speed,
         ).run(
             device.deliveries(plan),
             breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],

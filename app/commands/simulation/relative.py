@@ -42,6 +42,7 @@ class RelativeOptions:
     faults: RelativeFaults = field(default_factory=RelativeFaults)
     bursts: bool = False
     log: Path | None = None
+    mqtt: str = ""
 
 
 def simulated(options: RelativeOptions) -> RelativePatient:
@@ -92,7 +93,7 @@ async def stream(
         )
     say(f"session {created.id}: {patient.placements[1]} against a source on {patient.placements[0]}")
     gateway = GatewayClient(
-        service.ingest_url,
+        options.mqtt or service.ingest_url,
         lambda: service.ticket(created.id),
         patient.hello,
         pace=options.speed,

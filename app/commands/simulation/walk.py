@@ -39,6 +39,7 @@ class WalkOptions:
     is_apart_known: bool = True
     loss_percent: float = 0.0
     breaks: int = 0
+    mqtt: str = ""
 
 
 def walk_of(options: WalkOptions) -> tuple[SimulatedWalk, Recording, float]:
@@ -114,7 +115,10 @@ async def stream(
     faults = LinkFaults(loss_fraction=options.loss_percent / 100.0, break_count=options.breaks)
     plan = device.plan(faults, options.seed)
     gateway = GatewayClient(
-        service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
+        options.mqtt or service.ingest_url,
+        lambda: service.ticket(created.id),
+        device.hello,
+        pace=options.speed,
     )
     report = await gateway.run(
         device.deliveries(plan),

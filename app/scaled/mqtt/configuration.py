@@ -16,7 +16,7 @@ SERVICE: Final = "SERVICE"
 """Account of edges and workers."""
 BOOKS_BYTES: Final = 256 << 20
 """Most that the listener's own books of its clients may take on the disk."""
-CALLOUT_S: Final = 3.0
+CALLOUT_S: Final = 2.5
 
 
 def issuer_of(settings: Settings) -> Issuer:

@@ -189,7 +189,7 @@ def test_a_link_that_breaks_while_a_milestone_waits_comes_back(signed_in, world,
 
             async def break_and_wait() -> None:
                 assert client._connection is not None
-                client._connection.transport.abort()
+                client._connection.abort()
                 async with asyncio.timeout(20.0):
                     while client.report.connections < 2:  # noqa: ASYNC110 - another task counts
                         await asyncio.sleep(0.02)
