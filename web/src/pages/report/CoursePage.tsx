@@ -7,6 +7,7 @@ import type { ComparisonDetail, Course, Patient, Progress } from '../../api/type
 import { PaperPhases, PaperProgress } from '../../charts/PaperChart';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
+import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
 import { outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import { BASELINE } from '../../lib/assessment/baseline';
@@ -164,6 +165,7 @@ function Ends({ comparison, title }: { comparison: ComparisonDetail; title: stri
           <li key={finding}>{finding}</li>
         ))}
       </ul>
+      {comparison.weighted_sum && <WeightedSum sum={comparison.weighted_sum} isPaper />}
     </div>
   );
 }

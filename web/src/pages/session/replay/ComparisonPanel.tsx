@@ -7,12 +7,12 @@ import { useCompare, useTemplates } from '../../../api/queries';
 import type { ComparisonDetail, MeasureValue, PhaseCurve, SessionDetail } from '../../../api/types';
 import { PhaseChart, PhaseLegend } from '../../../charts/PhaseChart';
 import { symmetryText } from '../../../charts/ProgressChart';
+import { WeightedSum } from '../../../components/WeightedSum';
 import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
 import { outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
-import { WeightedSum } from './WeightedSum';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;

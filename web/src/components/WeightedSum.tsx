@@ -1,18 +1,21 @@
 // The sum that the therapist defined on the template, with every part of it: no number that hides what it is made of.
-import type { WeightedSum as Sum } from '../../../api/types';
-import { t } from '../../../i18n';
-import { number, plainTick, uncertain, weighedQuantity } from '../../../lib/format';
+import { useId } from 'react';
+import type { WeightedSum as Sum } from '../api/types';
+import { t } from '../i18n';
+import { number, plainTick, uncertain, weighedQuantity } from '../lib/format';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */
 const WEIGHT_DIGITS = 3;
 
-export function WeightedSum({ sum }: { sum: Sum }) {
+export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
+  const title = useId();
+  const note = isPaper ? 'paper-note' : 'muted small';
   return (
-    <section className="stack" aria-labelledby="weighted-sum">
-      <h3 id="weighted-sum">{t('compare.sum')}</h3>
-      <p className="muted small">{t('compare.sumLead')}</p>
-      <table className="plain-table measures weighted">
+    <section className={isPaper ? 'paper-sum' : 'stack'} aria-labelledby={title}>
+      <h3 id={title}>{t('compare.sum')}</h3>
+      <p className={note}>{t('compare.sumLead')}</p>
+      <table className={isPaper ? 'paper-table' : 'plain-table measures weighted'}>
         <caption className="visually-hidden">{t('compare.sum')}</caption>
         <thead>
           <tr>
@@ -32,8 +35,12 @@ export function WeightedSum({ sum }: { sum: Sum }) {
                     ` · ${t('design.weightTemplate', { value: weighedQuantity(one.template_value, one.unit) })}`}
                 </span>
               </th>
-              <td className="number">× {plainTick(one.weight, WEIGHT_DIGITS)}</td>
-              <td className="number">{number(one.part, DIGITS)}</td>
+              <td className="number" data-label={t('compare.weight')}>
+                × {plainTick(one.weight, WEIGHT_DIGITS)}
+              </td>
+              <td className="number" data-label={t('compare.part')}>
+                {number(one.part, DIGITS)}
+              </td>
             </tr>
           ))}
         </tbody>
@@ -47,14 +54,14 @@ export function WeightedSum({ sum }: { sum: Sum }) {
                 </span>
               )}
             </th>
-            <td className="number strong">
+            <td className="number strong" data-label={t('compare.sumOf')}>
               {uncertain(sum.value, sum.uncertainty, '1')}{' '}
               {sum.count > 0 && <span className="muted small">{t('compare.count', { count: sum.count })}</span>}
             </td>
           </tr>
         </tfoot>
       </table>
-      {sum.value === null && <p className="muted small">{t('compare.sumMissing')}</p>}
+      {sum.value === null && <p className={note}>{t('compare.sumMissing')}</p>}
     </section>
   );
 }
