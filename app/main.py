@@ -197,6 +197,7 @@ async def open_services(
         on_closed=analyse,
         limits=services.limits,
         longest_s=settings.session_limit_hours * 3600.0,
+        time_zone=settings.time_zone,
         hemisphere=settings.hemisphere,
         confirmation_hours=settings.implant_confirmation_hours,
     )

@@ -38,6 +38,7 @@ from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.schemas import Schema
 from app.sentences import Sentence, say
+from app.time_zones import UTC_NAME
 from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup
 
@@ -74,6 +75,8 @@ class LiveManager(SteeredSide):
         Called in a thread when everything of a session is stored: queues its analysis, once.
     limits : Limits
         How many sessions may be live at once.
+    time_zone : str
+        In which a day begins for clinics that have not set theirs.
     hemisphere : {"north", "south", "unknown"}
         Of the place, see `FirstSeconds`.
     confirmation_hours : float
@@ -93,6 +96,7 @@ class LiveManager(SteeredSide):
         idle_close_s: float = IDLE_CLOSE_S,
         goodbye_close_s: float = GOODBYE_CLOSE_S,
         longest_s: float = LONGEST_S,
+        time_zone: str = UTC_NAME,
         hemisphere: Hemisphere = "north",
         confirmation_hours: float = CONFIRMATION_HOURS,
         shared: Shared | None = None,
@@ -128,7 +132,7 @@ class LiveManager(SteeredSide):
         self.admission = shared.admission
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
-        self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
+        self._opener = Opener(engine, writer, bus, hemisphere, self._check_process, time_zone=time_zone)
         self._tasks: set[asyncio.Task[Any]] = set()
         self.pooled = shared.pooled
 

@@ -51,6 +51,7 @@ ALLOWED = {
     | {"accounts", "patients", "exercises", "recordings", "network", "kinds/walk"},
     "live": FOUNDATION
     | {
+        "time_zones",
         "accounts",
         "patients",
         "exercises",

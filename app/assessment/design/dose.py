@@ -1,7 +1,7 @@
 """What a patient is to do in a session, and in which portions: a prescription's goal and a template's sets."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from estimators.guidance import StopRule
@@ -19,16 +19,36 @@ class Dose:
     Attributes
     ----------
     goal : int
-        Valid repetitions that are prescribed: of all sets.
+        Valid repetitions that are prescribed for one time: of all sets.
     set_valid : int
         Valid repetitions of a set.
     set_attempts : int or None
         Attempts of a set, valid or not; None: as many as it takes.
+    before : int
+        Valid repetitions of this goal that earlier sessions of the same day have brought.
     """
 
     goal: int
     set_valid: int
     set_attempts: int | None = None
+    before: int = 0
+
+    @property
+    def is_done_before(self) -> bool:
+        """Whether all of the day was done before this session began: what comes is of the patient's own accord."""
+        return self.before >= self.goal
+
+    def after(self, done_today: int, times: int) -> "Dose":
+        """Return the dose of a session that begins after valid repetitions of the same day.
+
+        Parameters
+        ----------
+        done_today : int
+        times : int
+            How often a day the dose is prescribed: each time is a goal of its own, one after the other.
+        """
+        full = min(done_today // self.goal, max(1, times) - 1)
+        return replace(self, before=done_today - full * self.goal)
 
     def reached(self, valid: int, set_valid: int, set_attempts: int, *, is_done: bool) -> Reached:
         """Say what a finished repetition has brought to its end.
@@ -36,7 +56,7 @@ class Dose:
         Parameters
         ----------
         valid : int
-            Of the whole session.
+            Of the whole session, without those before it.
         set_valid, set_attempts : int
             Since the last set ended.
         is_done : bool
@@ -47,7 +67,7 @@ class Dose:
         {"", "valid_count", "set", "attempt_count"}
             The goal, a set, or the attempts of a set; empty while it goes on.
         """
-        if valid >= self.goal and not is_done:
+        if self.before + valid >= self.goal and not is_done:
             return "valid_count"
         if set_valid >= self.set_valid and not is_done:
             return "set"

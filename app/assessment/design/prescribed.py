@@ -1,16 +1,18 @@
 """Which template a session follows, on which side, and how often: what its prescription says."""
 
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime, time
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.assessment.design.compiled import Guidance, guidance_of
 from app.assessment.design.dose import Dose, dose_of
+from app.assessment.practice import zone_of
 from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.models import Patient
-from app.recordings.models import MotionSession
+from app.recordings.models import MotionSession, SessionEvent
 from estimators.conventions import Side
 from estimators.pipelines import SessionSetup
 
@@ -30,10 +32,17 @@ class PrescribedGuidance:
     dose: Dose
 
 
-def prescribed_guidance(session: Session, session_id: str) -> PrescribedGuidance | None:
+def prescribed_guidance(session: Session, session_id: str, default_zone: str) -> PrescribedGuidance | None:
     """Return what a session is guided by; None without a prescription that has a template.
 
     For the service's own work: access to the session was checked.
+
+    Parameters
+    ----------
+    session : Session
+    session_id : str
+    default_zone : str
+        Setting `time_zone`, for clinics that have not set theirs.
 
     Raises
     ------
@@ -55,9 +64,32 @@ def prescribed_guidance(session: Session, session_id: str) -> PrescribedGuidance
         more_stops=[StopDesign.model_validate(one) for one in prescription.stops],
     )
     dose = dose_of(prescription.repetitions, prescription.sets, guidance.stops)
+    dose = dose.after(_valid_of_the_day(session, found, default_zone), len(prescription.times))
     # Whoever counts for the page stops at these numbers too, so that both are always the same.
     others = tuple(rule for rule in guidance.stops if rule.kind not in ("valid_count", "attempt_count"))
     return PrescribedGuidance(replace(guidance, stops=others), dose)
+
+
+def _valid_of_the_day(session: Session, found: MotionSession, default_zone: str) -> int:
+    """Count the valid repetitions of the same prescription in sessions of the same day before this one.
+
+    A day is one by the clocks of the clinic.
+    """
+    zone = zone_of(session, found.clinic_id, default_zone)
+    day = found.created_at.astimezone(zone).date()
+    begins = datetime.combine(day, time(), zone).astimezone(UTC)
+    kinds = session.scalars(
+        select(SessionEvent.details)
+        .join(MotionSession, MotionSession.id == SessionEvent.session_id)
+        .where(
+            MotionSession.prescription_id == found.prescription_id,
+            MotionSession.patient_id == found.patient_id,
+            MotionSession.created_at >= begins,
+            MotionSession.created_at < found.created_at,
+            SessionEvent.kind == "repetition",
+        )
+    )
+    return sum(details.get("kind") == "valid" for details in kinds)
 
 
 def prescribed_version(session: Session, found: MotionSession) -> str | None:

@@ -76,6 +76,11 @@ class GuidanceDesk:
         self._counts = taken_up.counts.model_copy()
         self._in_set, self._is_done = taken_up.in_set.model_copy(), taken_up.is_done
         self._dose = None if prescribed is None else prescribed.dose
+        if self._dose is not None:
+            self._is_done = self._is_done or self._dose.is_done_before
+            if not taken_up.has_ended_a_set:
+                # The set that an earlier session of the day had begun goes on.
+                self._in_set.valid += self._dose.before % self._dose.set_valid
         self._following = None if prescribed is None else Following(prescribed.guidance, tick_s)
         self._cause: GuidanceCause = taken_up.cause
         self._is_stopped = taken_up.is_stopped
@@ -266,6 +271,7 @@ class GuidanceDesk:
             ghost_phase=self._ghost_phase,
             counts=self._counts,
             goal=None if self._dose is None else self._dose.goal,
+            before=0 if self._dose is None else self._dose.before,
             last=kind,
             cue="" if self._cue is None else said(self._cue.sentence),
             cue_number=self._cue_number,

@@ -57,6 +57,8 @@ class GuidanceMessage(Spoken):
     counts: GuidanceCounts
     goal: int | None = None
     """Valid repetitions that are prescribed, of all sets."""
+    before: int = 0
+    """Valid ones of this goal that earlier sessions of the day have brought; `counts` are those of this session."""
     last: Literal["valid", "partial", "wrong"] | None = None
     """Of the repetition that was finished last."""
     cue: str = ""

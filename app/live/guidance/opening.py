@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-def guide_session(session: "LiveSession", engine: Engine, bus: Bus) -> None:
+def guide_session(session: "LiveSession", engine: Engine, bus: Bus, default_zone: str) -> None:
     """Give a session its guidance; blocks, so call it in a thread, before the session has frames.
 
     A template that cannot be followed leaves a word on the time line, and a session that goes on without it.
@@ -30,12 +30,14 @@ def guide_session(session: "LiveSession", engine: Engine, bus: Bus) -> None:
         Not yet given to anybody.
     engine : Engine
     bus : Bus
+    default_zone : str
+        In which a day begins where a clinic has not said so.
     """
     before = taken_up(engine, session.id)
     prescribed = None
     trouble = ""
     try:
-        prescribed = read_guidance(engine, session.id)
+        prescribed = read_guidance(engine, session.id, default_zone)
         if prescribed is not None:
             Guide.prepare()
     except EstimationError as error:

@@ -26,6 +26,7 @@ class TakenUp:
     counts : GuidanceCounts
     in_set : GuidanceCounts
         Of `counts`, those since the last set ended.
+    has_ended_a_set : bool
     is_done : bool
         The prescribed number was reached.
     cause : str
@@ -37,13 +38,14 @@ class TakenUp:
 
     counts: GuidanceCounts = field(default_factory=GuidanceCounts)
     in_set: GuidanceCounts = field(default_factory=GuidanceCounts)
+    has_ended_a_set: bool = False
     is_done: bool = False
     cause: GuidanceCause = ""
     is_stopped: bool = False
     time_s: float = 0.0
 
 
-def read_guidance(engine: Engine, session_id: str) -> PrescribedGuidance | None:
+def read_guidance(engine: Engine, session_id: str, default_zone: str) -> PrescribedGuidance | None:
     """Return what a session is guided by, for the service's own work; blocks.
 
     Raises
@@ -52,7 +54,7 @@ def read_guidance(engine: Engine, session_id: str) -> PrescribedGuidance | None:
         If the template cannot be followed.
     """
     with read_only(engine) as session:
-        return prescribed_guidance(session, session_id)
+        return prescribed_guidance(session, session_id, default_zone)
 
 
 def taken_up(engine: Engine, session_id: str) -> TakenUp:
@@ -73,6 +75,7 @@ def taken_up(engine: Engine, session_id: str) -> TakenUp:
             for one in events[ends[-1] + 1 if ends else 0 :]
             if one.kind == "repetition"
         ),
+        has_ended_a_set=bool(ends),
         is_done=any(one.details.get("cause") == "valid_count" for one in events),
         cause=held.details.get("cause", "person") if held is not None and is_held else "",
         is_stopped=is_held and held is not None and held.kind != "guidance_pause",

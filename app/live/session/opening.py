@@ -20,6 +20,7 @@ from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.sentences import say
+from app.time_zones import UTC_NAME
 from estimators import pipelines
 from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
@@ -42,6 +43,8 @@ class Opener:
         Where the first seconds are checked.
     checkpoint : callable(session_id), optional
         Reads where a session stood that moves from another machine; without, it is taken up as after a restart.
+    time_zone : str
+        In which a day begins for clinics that have not set theirs.
     """
 
     engine: Engine
@@ -50,6 +53,7 @@ class Opener:
     hemisphere: Hemisphere
     check: CheckProcess
     checkpoint: Callable[[str], Checkpoint | None] | None = None
+    time_zone: str = UTC_NAME
 
     async def open(
         self, session_id: str, declaration: Declaration, prepared: Callable[[SessionSetup], Awaitable[None]]
@@ -114,7 +118,7 @@ class Opener:
             trouble = await asyncio.to_thread(self._rebuild, session)
             if trouble is not None:
                 session.line.stop(trouble)
-        await asyncio.to_thread(guide_session, session, self.engine, self.bus)
+        await asyncio.to_thread(guide_session, session, self.engine, self.bus, self.time_zone)
         return session
 
     def _rebuild(self, session: LiveSession) -> Exception | None:

@@ -9,7 +9,7 @@ from estimators.guidance import StopRule
 def done(dose: Dose, kinds: str) -> list[tuple[int, str]]:
     """Play repetitions, `v` valid and `p` partial; return after how many something was reached, and what."""
     valid = in_set = attempts = 0
-    is_done, told = False, []
+    is_done, told = dose.is_done_before, []
     for number, kind in enumerate(kinds, start=1):
         valid, in_set, attempts = valid + (kind == "v"), in_set + (kind == "v"), attempts + 1
         reached = dose.reached(valid, in_set, attempts, is_done=is_done)
@@ -51,3 +51,23 @@ def test_attempts_end_a_set_and_never_the_exercise() -> None:
         (9, "attempt_count"),
         (10, "valid_count"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("done_today", "times", "before", "is_done_before"),
+    [
+        pytest.param(0, 0, 0, False, id="the first of the day"),
+        pytest.param(4, 0, 4, False, id="begun before"),
+        pytest.param(6, 0, 6, True, id="done before"),
+        pytest.param(8, 1, 8, True, id="more than done before"),
+        pytest.param(4, 2, 4, False, id="the morning's goes on"),
+        pytest.param(6, 2, 0, False, id="the evening's begins"),
+        pytest.param(9, 2, 3, False, id="the evening's goes on"),
+        pytest.param(13, 2, 7, True, id="both done before"),
+    ],
+)
+def test_a_session_goes_on_where_the_day_stands(done_today, times, before, is_done_before) -> None:
+    dose = dose_of(6, 1, []).after(done_today, times)
+    assert (dose.goal, dose.before, dose.is_done_before) == (6, before, is_done_before)
+    told = [] if is_done_before else [(6 - before, "valid_count")]
+    assert done(dose, "v" * 9) == told

@@ -3506,6 +3506,11 @@ export interface components {
          */
         GuidanceMessage: {
             /**
+             * Before
+             * @default 0
+             */
+            before?: number;
+            /**
              * Cause
              * @default
              * @enum {string}

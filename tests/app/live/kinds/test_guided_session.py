@@ -4,12 +4,15 @@ import asyncio
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
+from app.accounts.models import Clinic
+from app.assessment.design.prescribed import prescribed_guidance
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
 from app.limits import Limits
@@ -23,7 +26,7 @@ from app.live.session.runner import LiveSession
 from app.network.declaration import check_hello
 from app.network.packet import decode_packet
 from app.recordings import service
-from app.recordings.models import SessionEvent
+from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.schemas import SessionIn
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Settings
@@ -347,3 +350,54 @@ def test_a_guidance_that_fails_leaves_the_session_alone(
 
     room = enter((SOUND,), work, prescribe(engine, world))
     assert len(stored(engine, room.live.id, "guidance_failed")) == 1
+
+
+def test_a_second_session_of_the_day_goes_on_where_the_first_one_ended(
+    enter: Enter, engine: Engine, world: Any
+) -> None:
+    """Six are prescribed in sets of two: three in the morning, two in the next session, and it is not yet over.
+
+    What was done on another day by the clinic's clocks does not count.
+    """
+    prescription = prescribe(engine, world, repetitions=2, sets=3)
+    morning = enter(GOOD_AND_SHORT, go_on_after_each_set, prescription)
+    assert morning.desk.message.before == 0
+    assert morning.desk.message.counts.valid == 3
+    later = enter((SOUND, SOUND), go_on_after_each_set, prescription)
+    assert (later.desk.message.goal, later.desk.message.before) == (6, 3)
+    assert later.desk.message.counts.valid == 2
+    # The set that the morning had begun ends with the first one.
+    ends = stored(engine, later.live.id, "guidance_pause", "guidance_stop")
+    assert [one.details["cause"] for one in ends] == ["set"]
+    assert ends[0].time_s == pytest.approx(later.done.repetitions_s[0][1], abs=0.6)
+    last = enter((SOUND, SOUND), go_on_after_each_set, prescription)
+    assert last.desk.message.before == 5
+    ends = stored(engine, last.live.id, "guidance_pause", "guidance_stop")
+    assert [one.details["cause"] for one in ends] == ["valid_count"]
+
+    # Berlin is on the next day already: what was done there before midnight was yesterday's.
+    with unit_of_work(engine) as session:
+        session.get_one(Clinic, world.clinic_id).time_zone = "Europe/Berlin"
+        for number, made in enumerate((morning, later, last)):
+            found = session.get_one(MotionSession, made.live.id)
+            found.created_at = datetime(2026, 3, 4, 22 + number // 2, 50 + number, tzinfo=UTC)
+    with read_only(engine) as session:
+        counted = prescribed_guidance(session, last.live.id, "UTC")
+        assert counted is not None
+        assert counted.dose.before == 0
+        assert session.get_one(MotionSession, last.live.id).created_at.hour == 23
+    with unit_of_work(engine) as session:
+        session.get_one(Clinic, world.clinic_id).time_zone = None
+    with read_only(engine) as session:
+        counted = prescribed_guidance(session, last.live.id, "UTC")
+        assert counted is not None
+        assert counted.dose.before == 5
+
+
+async def go_on_after_each_set(room: Room) -> None:
+    await room.to_the_start()
+    for _, end_s in room.done.repetitions_s:
+        await room.until(end_s + 0.7)
+        if room.desk.message.cause:
+            room.desk.obey("resume")
+    await room.to_the_end()

@@ -29,6 +29,7 @@ function said(change: Partial<GuidanceMessage> = {}): GuidanceMessage {
     ghost_phase: 0,
     counts: { valid: 2, partial: 1, wrong: 0 },
     goal: 10,
+    before: 0,
     last: 'valid',
     cue: '',
     cue_number: 0,
@@ -178,6 +179,19 @@ describe('an exercise while it is done', () => {
     again(<Exercise guidance={said({ counts: { valid: 4, partial: 1, wrong: 0 } })} />);
     again(<Exercise guidance={said({ counts: { valid: 4, partial: 1, wrong: 0 }, cue: 'Slower.', cue_number: 1 })} />);
     expect(spoken).toEqual(['4', 'Slower.']);
+  });
+
+  it('counts what was done earlier today', () => {
+    show(<Exercise guidance={said({ before: 4, counts: { valid: 2, partial: 0, wrong: 0 } })} />, FINE);
+    const count = screen.getByLabelText('Counted');
+    expect(count.textContent).toContain('6of 10');
+    expect(count.textContent).toContain('4 of them earlier today');
+  });
+
+  it('says in a break what is left of the day', () => {
+    const held = said({ status: 'paused', cause: 'set', before: 4, counts: { valid: 2, partial: 0, wrong: 0 } });
+    show(<Exercise guidance={held} />, FINE);
+    expect(screen.getByText(/4 more/).textContent).toBeTruthy();
   });
 });
 

@@ -9,6 +9,7 @@ export const doing: Translated<typeof english> = {
   'doing.free': 'Machen Sie Ihre Übung',
   'doing.alone': 'Ihre Bewegungen können gerade nicht gezählt werden. Aufgezeichnet wird trotzdem alles.',
   'doing.count': 'Gezählt',
+  'doing.before': { one: '1 davon heute schon früher', other: '{count} davon heute schon früher' },
   'doing.of': 'von {goal}',
   'doing.partial': { one: '{count} nicht ganz weit genug', other: '{count} nicht ganz weit genug' },
   'doing.wrong': { one: '{count} andere Bewegung', other: '{count} andere Bewegungen' },

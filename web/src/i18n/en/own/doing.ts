@@ -6,6 +6,7 @@ export const doing = {
   'doing.free': 'Do your exercise',
   'doing.alone': 'Your movements cannot be counted at the moment. Everything is recorded all the same.',
   'doing.count': 'Counted',
+  'doing.before': { one: '1 of them earlier today', other: '{count} of them earlier today' },
   'doing.of': 'of {goal}',
   'doing.partial': { one: '{count} not quite far enough', other: '{count} not quite far enough' },
   'doing.wrong': { one: '{count} other movement', other: '{count} other movements' },

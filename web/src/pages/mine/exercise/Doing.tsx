@@ -23,12 +23,14 @@ function lineOf(guidance: GuidanceMessage | null): string {
 }
 
 export function Count({ guidance }: { guidance: GuidanceMessage }) {
-  const { valid = 0, partial = 0, wrong = 0 } = guidance.counts;
+  const { partial = 0, wrong = 0 } = guidance.counts;
+  const valid = doneOf(guidance);
   return (
     <div className="doing-count" role="status" aria-label={t('doing.count')}>
       <p className="doing-number">
         <span key={valid}>{valid}</span>
         {guidance.goal ? <span className="doing-goal">{t('doing.of', { goal: guidance.goal })}</span> : null}
+        {guidance.before ? <span className="doing-before">{t('doing.before', { count: guidance.before })}</span> : null}
       </p>
       {(partial > 0 || wrong > 0) && (
         <p className="doing-others">
@@ -40,9 +42,14 @@ export function Count({ guidance }: { guidance: GuidanceMessage }) {
   );
 }
 
+/** What was done of the goal: also in an earlier session of the day. */
+function doneOf(guidance: GuidanceMessage | null): number {
+  return (guidance?.before ?? 0) + (guidance?.counts.valid ?? 0);
+}
+
 /** What is still to be done today; 0 where nothing is prescribed. */
 function leftOf(guidance: GuidanceMessage | null): number {
-  return Math.max(0, (guidance?.goal ?? 0) - (guidance?.counts.valid ?? 0));
+  return Math.max(0, (guidance?.goal ?? 0) - doneOf(guidance));
 }
 
 interface NowProps {
@@ -146,7 +153,7 @@ export function NowLine({ guidance, hold, onFinish, isEnding }: NowProps) {
 /** Three buttons that are always there, and the count by voice. */
 export function Controls({ guidance, hold }: { guidance: GuidanceMessage | null; hold: Hold }) {
   const [isAloud, setAloud] = useState(wantsVoice);
-  const valid = guidance?.counts.valid ?? 0;
+  const valid = doneOf(guidance);
   const isOn = isAloud && hold.held === null;
   useVoice(isOn, valid, t('doing.say', { count: valid }));
   useVoice(isOn, guidance?.cue_number ?? 0, guidance?.cue ?? '');
