@@ -205,3 +205,34 @@ def test_a_page_that_is_loaded_again_without_a_link_has_lost_nothing(
     # The packet that was being filled when the page went holds a tenth of a second at most.
     assert sent[-1] >= int(emitted) - 8
     np.testing.assert_allclose(values, worn.samples[sent], atol=2e-4)
+
+
+def test_a_second_window_ends_the_session_when_the_first_has_sent_all(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right",), 60.0)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.get_by_role("button", name="This phone").click()
+    page.evaluate("samples => emulatePhone({rateHz: 60, samples})", worn.samples[:, 0].round(7).tolist())
+    page.get_by_role("button", name="Measure with this phone").click()
+    page.get_by_role("button", name="I am standing still").click()
+    page.get_by_role("button", name="Go", exact=True).click()
+    expect(page.get_by_test_id("line")).to_be_visible()
+    page.wait_for_timeout(3000)
+    second = page.context.new_page()
+    second.set_viewport_size({"width": 390, "height": 844})
+    second.goto(page.url)
+    second.get_by_role("button", name="Stop", exact=True).click()
+    first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
+    second.get_by_role("button", name="Finish for today").click()
+    expect(second.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=20_000)
+    # What the first window had measured when the end was pressed is stored, without a gap.
+    numbers, values = home.stored_samples(therapist, session_id)
+    sent = numbers - int(first)
+    assert np.array_equal(sent, np.arange(sent[0], sent[0] + sent.size))
+    assert sent[-1] >= int(emitted) - 2
+    np.testing.assert_allclose(values, worn.samples[sent], atol=2e-4)
+    assert second.evaluate(home.WAITING) == 0

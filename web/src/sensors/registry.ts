@@ -26,9 +26,15 @@ export function measuringFor(sessionId: string): Measuring | null {
 
 const SETTLED_MS = 20_000;
 
-/** Before a session is ended: wait until what this page has measured for it is sent; false when some of it is not. */
+/**
+ * Before a session is ended: wait until what this device has measured for it is sent, by this window, by another one or
+ * by one that is gone; false when some of it is not.
+ */
 export async function sendRest(sessionId: string): Promise<boolean> {
-  return (await measuringFor(sessionId)?.settled(SETTLED_MS)) ?? true;
+  const own = measuringFor(sessionId);
+  if (own) return own.settled(SETTLED_MS);
+  const { sendRestElsewhere } = await import('./rest');
+  return sendRestElsewhere(sessionId, SETTLED_MS);
 }
 
 /** Whoever signed in measures no longer: what comes next would be sent in somebody else's name. */

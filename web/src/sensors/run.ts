@@ -6,6 +6,7 @@ import { BrowserGateway, type GatewaySnapshot } from './gateway/browserGateway';
 import type { StoredNetwork } from './gateway/store';
 import type { Phone } from './phone';
 import { measuringFor, setMeasuring } from './registry';
+import { answerOthers } from './rest';
 import { giveUpTurn, takeTurn } from './turn';
 
 export interface RunSnapshot {
@@ -29,6 +30,7 @@ export class SensorRun {
   readonly #listeners = new Set<() => void>();
   readonly #worn = new Map<Placement, WornSensor>();
   readonly #letSleep: () => void;
+  readonly #endAnswers: () => void;
   #phone: Phone | null = null;
   #gateway: BrowserGateway | null = null;
   #watch: ReturnType<typeof setInterval>;
@@ -41,6 +43,7 @@ export class SensorRun {
     this.#snapshot = { kind, gateway: null, sensors: {}, isAwake: false, isSilent: false };
     this.#letSleep = keepAwake((isAwake) => this.#say({ isAwake }));
     this.#watch = setInterval(() => this.#look(), LOOK_MS);
+    this.#endAnswers = answerOthers(this);
     setMeasuring(this);
   }
 
@@ -91,6 +94,7 @@ export class SensorRun {
   stop = (): void => {
     clearInterval(this.#watch);
     this.#letSleep();
+    this.#endAnswers();
     this.#phone?.stop();
     for (const sensor of this.#worn.values()) void sensor.stop();
     this.#gateway?.close();
