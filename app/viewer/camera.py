@@ -49,6 +49,8 @@ _FARTHEST_ROUND_DEG, _FARTHEST_ACROSS_DEG = 100, -30
 _AS_GOOD: Final = 0.97
 _LOWER: Final = 0.3
 """Share of the way down to the seat that the middle of the picture goes: who stands up again is in it as well."""
+_KNEES, _BESIDE_M = 0.36, 0.22
+"""How far the feet of who sits stand ahead, as a share of stature, and what is left beside the outermost point."""
 _SMALL_M: Final = 0.15
 """A hand that goes no farther is looked at from near by."""
 
@@ -63,10 +65,13 @@ class Sight:
         From straight ahead of the patient toward the arm that moves.
     is_near : bool
         Whether it is so small that one comes near.
+    reach_m : float
+        How far to a side of the hips it goes in the picture.
     """
 
     azimuth_deg: float
     is_near: bool
+    reach_m: float
 
 
 def best_sight(points_m: NDArray[np.float64], side: str) -> Sight:
@@ -75,7 +80,8 @@ def best_sight(points_m: NDArray[np.float64], side: str) -> Sight:
     Parameters
     ----------
     points_m : ndarray, shape (K, N, 3)
-        Places in the room over a movement: the end of the hand first, then others that move with it.
+        Places over a movement, relative to the middle of the hips: the end of the hand first, then others that move
+        with it.
     side : {"left", "right"}
         The arm that moves.
 
@@ -98,10 +104,11 @@ def best_sight(points_m: NDArray[np.float64], side: str) -> Sight:
     sight = np.array([_place((0.0, 0.0, 0.0), toward * a, elevation_deg, 1.0) for a in azimuths])
     seen = np.sqrt(np.maximum(np.trace(scatter) - np.einsum("ai,ij,aj->a", sight, scatter, sight), 0.0))
     good = azimuths[seen >= _AS_GOOD * seen.max()]
-    return Sight(
-        float(good[np.argmin(np.abs(good - start_deg))]),
-        bool(np.ptp(points_m[:, 0], axis=0).max() < _SMALL_M),
-    )
+    best = float(good[np.argmin(np.abs(good - start_deg))])
+    along = math.radians(toward * best + 90.0)
+    across = points_m[..., 0] * math.cos(along) + points_m[..., 1] * math.sin(along)
+    is_near = bool(np.ptp(points_m[:, 0], axis=0).max() < _SMALL_M)
+    return Sight(best, is_near, float(np.abs(across).max()))
 
 
 @dataclass(frozen=True)
@@ -200,21 +207,31 @@ def preset(
     movement : str
         For `movement` without a template: the kind of the exercise.
     """
-    azimuth_deg = None
-    if name == "movement":
-        if sight is not None and not is_walk:
-            name, azimuth_deg = ("arm" if sight.is_near else "start"), sight.azimuth_deg
-        else:
-            name = _OF_MOVEMENT.get(movement, "start")
-    azimuth, elevation, middle, height, width = (_WALK_PRESETS if is_walk else _PRESETS)[name]
-    azimuth = azimuth if azimuth_deg is None else azimuth_deg
     drop = hip_height_m(body) - hip_height_m(body, posture)
+    followed = sight if name == "movement" and not is_walk else None
+    if name == "movement":
+        name = (
+            "arm"
+            if followed and followed.is_near
+            else "start"
+            if followed
+            else _OF_MOVEMENT.get(movement, "start")
+        )
+    azimuth, elevation, middle, height, width = (_WALK_PRESETS if is_walk else _PRESETS)[name]
+    lower = drop if name == "arm" else _LOWER * drop
+    if followed is not None:
+        azimuth = followed.azimuth_deg
+        if name == "start":
+            # Nobody stands up while it is followed: as near as body, knees and hand allow.
+            knees_m = _KNEES * body.stature_m * math.sin(math.radians(abs(azimuth))) if drop else 0.0
+            lower, height = 0.55 * drop, height - 0.55 * drop / body.stature_m
+            width = min(width, 2.0 * (max(followed.reach_m, knees_m) + _BESIDE_M) / body.stature_m)
     toward = 1.0 if side == "left" else -1.0
     sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" and not is_walk else 0.0
     forward = 0.12 * body.stature_m if name in {"side", "top"} and not is_walk else 0.0
     tangent = math.tan(0.5 * FIELD_OF_VIEW_RAD)
     distance = 0.5 * body.stature_m * max(height / tangent, width / (tangent * max(aspect, 0.2)))
-    look_at = (forward, sideways, middle * body.stature_m - (drop if name == "arm" else _LOWER * drop))
+    look_at = (forward, sideways, middle * body.stature_m - lower)
     return Camera(_place(look_at, toward * azimuth, elevation, min(distance, _FARTHEST_M)), look_at)
 
 

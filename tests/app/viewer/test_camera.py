@@ -133,5 +133,13 @@ def test_who_sits_is_in_the_picture_and_still_is_standing_up(aspect: float) -> N
     seated_crown = body.stature_m - hip_height_m(body) + hip_height_m(body, "seated")
     for height in (0.0, seated_crown, body.stature_m):
         assert in_picture(camera, (0, 0, height), aspect)
+    # While the movement is followed nobody stands up: nearer, with crown, feet and hand in the picture.
+    hand = moved([0.5, -0.2, 0.4], "right", 1.0) + np.array([0.1, -0.2, 0.2])
+    follow = preset("movement", body, "right", aspect, posture="seated", sight=best_sight(hand, "right"))
+    hip = np.array([0.0, 0.0, hip_height_m(body, "seated")])
+    for point in [(0, 0, seated_crown), (0, 0, 0), (0.36 * body.stature_m, 0, 0), *(hand[:, 0] + hip)]:
+        assert in_picture(follow, point, aspect), point
+    away = [np.linalg.norm(np.subtract(one.position_m, one.look_at_m)) for one in (follow, camera)]
+    assert away[0] < away[1]
     near = preset("arm", body, "right", aspect, posture="seated")
     assert near.look_at_m[2] < preset("arm", body, "right", aspect).look_at_m[2]

@@ -168,9 +168,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </div>
         </div>
       )}
-      {isDoing && !isBad ? (
+      {isDoing && (!isBad || hold.held !== null) && (
         <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
-      ) : isStoredHere ? null : (
+      )}
+      {(!isDoing || isBad) && !isStoredHere && (
         <section
           className={`card home-moment ${isBad ? 'home-moment-bad' : ''} ${GREEN.includes(moment) ? 'home-moment-green' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
         >
@@ -251,9 +252,6 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {problem && !isDoing && <Trouble error={problem} />}
         </section>
       )}
-      {isDoing && isBad && hold.held !== null && (
-        <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
-      )}
       {isDoing && problem && <Trouble error={problem} />}
       {(moment === 'preparing' || moment === 'done') && session.exercise_id && (
         <After session={session} guidance={guidance} />
@@ -275,7 +273,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             title={t('home.picture')}
             near={kindOf(session).near}
             onShown={setShown}
-            from="movement"
+            from={records ? 'movement' : 'start'}
             isPlain
           />
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
