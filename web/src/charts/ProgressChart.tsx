@@ -113,6 +113,8 @@ export function symmetryText(ratio: number, sigma: number, angle: number | null)
 }
 
 /** Room of a date under the axis. */
+/** Before the first drawing only the whole is as wide as it will be. */
+const AXIS_PX = 84;
 const DATE_PX = 76;
 
 export function ProgressChart({
@@ -158,7 +160,7 @@ export function ProgressChart({
           splits: (chart, __, low, high) => {
             // Whole days only: two labels may not show the same date, nor touch.
             const days = Math.max(1, Math.round((high - low) / 86_400));
-            const most = Math.min(6, Math.max(1, Math.floor(chart.over.clientWidth / DATE_PX)));
+            const most = Math.min(6, Math.max(1, Math.floor((chart.width - AXIS_PX) / DATE_PX)));
             const every = Math.max(1, Math.ceil(days / most));
             const start = new Date(low * 1000);
             const first =

@@ -204,7 +204,7 @@ export const session = {
   'replay.template': 'Template',
   'replay.ghost': 'Show the template as a second figure',
   'replay.warp': 'Template follows the patient’s timing',
-  'replay.keys': 'Keys: space plays, G ghost, W timing',
+  'replay.keys': 'Keys: space plays, G second figure, W timing',
   'replay.curves': 'Click a curve to go to that moment.',
   'replay.curvesWithTemplate': 'Dashed: the template with its band. Click a curve to go to that moment.',
   'replay.noResult': 'This session has no result. Nothing usable was recorded.',

@@ -155,7 +155,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
                 disabled={!ghost.ghost || shown?.has_warp === false}
                 onChange={(event) => setGhost({ ...ghost, warp: event.currentTarget.checked })}
               />
-              <span className="muted small">{t('replay.keys')}</span>
+              <span className="muted small for-keys">{t('replay.keys')}</span>
             </div>
           )}
         </div>
