@@ -18,7 +18,7 @@ from sqlalchemy import Engine, make_url
 
 from app.accounts.credentials.passwords import Passwords
 from app.database.base import new_id
-from app.database.writer_lock import DatabaseInUse, WriterLock, task_lock
+from app.database.writer_lock import RunnerLock, WriterLock
 from app.edge.readiness import Readiness, storing_checks
 from app.edge.registry import Registry
 from app.errors import TelemotionError
@@ -46,6 +46,8 @@ from app.viewer import open_viewer
 logger = logging.getLogger("telemotion.service")
 
 TASKS_TURN_S: Final = 1.0
+LONGEST_UPLOAD_S: Final = 86400.0
+"""An uploaded file that is older belongs to no upload that is still under way at some edge."""
 
 
 def process_name(kind: str) -> str:
@@ -191,7 +193,7 @@ def _observe_worker(services: Services, worker: Worker, shared: OfWorker) -> Reg
 
 
 class Tasks:
-    """Works off the queue of long tasks, on one worker at a time: whoever has the database's lock for it.
+    """Works off the queue of long tasks, which the workers share, while the database knows that this one lives.
 
     Parameters
     ----------
@@ -201,13 +203,13 @@ class Tasks:
 
     def __init__(self, services: Services, broker: Broker) -> None:
         self._services, self._broker = services, broker
-        self._lock = task_lock(services.settings.database_url, "telemotion tasks")
+        self._lock = RunnerLock(services.settings.database_url, "telemotion tasks")
         self._runner: JobRunner | None = None
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Try to become the one, now and again."""
+        """Begin to work, as soon as the database knows this one."""
         # Whoever changes a session here wakes nobody: the queue is looked at twice a second.
         self._services.add(self._made())
         self._task = asyncio.create_task(self._run(), name="tasks")
@@ -222,7 +224,7 @@ class Tasks:
         await to_thread.run_sync(self._lock.release)
 
     def _made(self) -> JobRunner:
-        return JobRunner(self._services.engine, self._services.settings, job_handlers())
+        return JobRunner(self._services.engine, self._services.settings, job_handlers(), self._lock)
 
     async def _run(self) -> None:
         while True:
@@ -235,11 +237,8 @@ class Tasks:
     async def _turn(self) -> None:
         engine: Engine = self._services.engine
         if self._runner is None:
-            try:
-                await to_thread.run_sync(self._lock.take)
-            except DatabaseInUse:
-                return
-            await to_thread.run_sync(remove_orphans, engine, self._services.settings)
+            await to_thread.run_sync(self._lock.take)
+            await to_thread.run_sync(remove_orphans, engine, self._services.settings, LONGEST_UPLOAD_S)
             runner = self._made()
             runner.subscribe(self._done)
             await to_thread.run_sync(runner.start)

@@ -12,9 +12,10 @@ connections between transactions would lose it.
 import contextlib
 import fcntl
 import os
+import secrets
 import socket
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,8 +28,6 @@ from app.errors import Conflict, InvalidInput, TelemotionError, Unavailable
 LOCK_SUFFIX: Final = ".writer"
 _ADVISORY_KEY: Final = 7_305_792_114_563_087
 """Any number, the same in every version; PostgreSQL keeps such locks apart by database."""
-_TASKS_KEY: Final = 7_305_792_114_563_088
-"""Of whoever works off the queue of tasks."""
 _NAME_BYTES: Final = 63
 """PostgreSQL keeps so much of an application's name."""
 _CONNECT: Final[dict[str, Any]] = {
@@ -272,9 +271,50 @@ def shared_lock(url: str, purpose: str, address: str = "") -> WriterLock:
     return _AdvisoryLock(_postgresql(url), purpose, address, is_shared=True)
 
 
-def task_lock(url: str, purpose: str) -> WriterLock:
-    """Return the lock of whoever works off the queue of tasks; raises as `shared_lock`."""
-    return _AdvisoryLock(_postgresql(url), purpose, "", _TASKS_KEY)
+class RunnerLock(_AdvisoryLock):
+    """Says that a runner of long tasks lives; others see by its key, stored with what it runs, that it does not.
+
+    Parameters
+    ----------
+    url : str
+        As `Settings.database_url`.
+    purpose : str
+
+    Raises
+    ------
+    InvalidInput
+        The database is not PostgreSQL.
+
+    Attributes
+    ----------
+    key : str
+        No other runner has it.
+    """
+
+    def __init__(self, url: str, purpose: str) -> None:
+        super().__init__(_postgresql(url), purpose, "", secrets.randbits(62))
+        self.key = str(self._key)
+
+    @contextlib.contextmanager
+    def ended(self, key: str) -> Iterator[bool]:
+        """Yield whether the runner of a key has ended; while this is so, nobody else finds the same."""
+        connection, number = self._connection, int(key)
+        if connection is None or number == self._key:
+            yield False
+            return
+        try:
+            row = connection.execute(b"SELECT pg_try_advisory_lock(%s)", [number]).fetchone()
+        except psycopg.Error:
+            # Whether this one still lives is looked at elsewhere.
+            yield False
+            return
+        has_ended = row is not None and bool(row[0])
+        try:
+            yield has_ended
+        finally:
+            if has_ended:
+                with contextlib.suppress(psycopg.Error):
+                    connection.execute(b"SELECT pg_advisory_unlock(%s)", [number])
 
 
 def _postgresql(url: str) -> URL:
@@ -294,4 +334,4 @@ def _in_use(place: str, holder: str) -> DatabaseInUse:
     )
 
 
-__all__ = ["DatabaseInUse", "WriterLock", "shared_lock", "task_lock", "writer_lock"]
+__all__ = ["DatabaseInUse", "RunnerLock", "WriterLock", "shared_lock", "writer_lock"]

@@ -4,6 +4,7 @@ The request ends when the file is on disk and its task is queued; reading, stori
 task's work, in the worker process, with progress. A file is removed when it was read or cannot be.
 """
 
+import time
 from pathlib import Path
 from typing import Final, cast
 
@@ -111,8 +112,22 @@ def upload_folder(settings: Settings) -> Path:
     return folder
 
 
-def remove_orphans(engine: Engine, settings: Settings) -> int:
-    """Remove uploaded files that no unfinished task needs; called once at the start of the service."""
+def remove_orphans(engine: Engine, settings: Settings, older_than_s: float = 0.0) -> int:
+    """Remove uploaded files that no unfinished task needs; called once at the start of the service.
+
+    Parameters
+    ----------
+    engine : Engine
+    settings : Settings
+    older_than_s : float
+        Where other processes receive uploads: longer than one takes.
+
+    Returns
+    -------
+    int
+        How many were removed.
+    """
+    newest_s = time.time() - older_than_s
     with read_only(engine) as session:
         wanted = {
             job.arguments.get("file")
@@ -122,7 +137,7 @@ def remove_orphans(engine: Engine, settings: Settings) -> int:
         }
     removed = 0
     for path in upload_folder(settings).iterdir():
-        if path.name not in wanted:
+        if path.name not in wanted and path.stat().st_mtime <= newest_s:
             path.unlink(missing_ok=True)
             removed += 1
     return removed

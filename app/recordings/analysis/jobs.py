@@ -1,18 +1,21 @@
 """Long tasks off the live path: a queue in the database, worked off by a few child processes (`app.processes`).
 
 A task is a row; its progress is written to the row, and a task that was running when the service died is
-taken up again at the next start. A task whose process dies twice has failed. One service process at a
-time runs the queue of a database.
+taken up again at the next start. A task whose process dies twice has failed. One service process runs the
+queue of a database, or several workers share it: each takes tasks in its own fair order, and up again what
+ran at one that has ended (`Runners`).
 
 The queue is fair (`app.recordings.analysis.queue`): clinics take turns, and inside a clinic whoever asked for tasks.
 """
 
+import contextlib
 import logging
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from sqlalchemy import CursorResult, Engine, select, update
 
@@ -32,6 +35,18 @@ logger = logging.getLogger(__name__)
 POLL_S: Final = 0.5
 PROGRESS_S: Final = 0.3
 MAX_ATTEMPTS: Final = 2
+LOOK_S: Final = 2.0
+"""How often several that share a queue look whether one has ended."""
+
+
+class Runners(Protocol):
+    """Several that work off one queue; this one among them."""
+
+    key: str
+    """Stored with what this one runs."""
+
+    def ended(self, key: str) -> AbstractContextManager[bool]:
+        """Whether the one of a key has ended; while this is so, nobody else finds the same."""
 
 
 @dataclass
@@ -98,20 +113,23 @@ class JobDone:
     message: str
 
 
-def run_job(engine: Engine, settings: Settings, job_id: str, handler: Handler) -> JobDone | None:
-    """Run one queued task to its end in this process; None when it is gone or taken.
+def run_job(
+    engine: Engine, settings: Settings, job_id: str, handler: Handler, runner: str = ""
+) -> JobDone | None:
+    """Run one queued task to its end in this process, for a runner of this key; None when it is gone or taken.
 
     A failure is written to the row in words; it never escapes.
     """
     with unit_of_work(engine) as session:
-        job = session.get(Job, job_id)
+        # Of several that want it, one sees it queued.
+        job = session.get(Job, job_id, with_for_update=True)
         if job is None or job.status != "queued":
             return None
         clinic_id = session.scalars(
             select(MotionSession.clinic_id).where(MotionSession.id == job.session_id)
         ).one()
         attempt = int(job.arguments.get("attempt", 0)) + 1
-        job.arguments = {**job.arguments, "attempt": attempt}
+        job.arguments = {**job.arguments, "attempt": attempt, "runner": runner}
         job.status = "running"
         job.message = ""
         context = JobContext(
@@ -144,7 +162,8 @@ def run_job(engine: Engine, settings: Settings, job_id: str, handler: Handler) -
 def _finish(engine: Engine, context: JobContext, kind: str, status: str, message: str) -> None:
     with unit_of_work(engine) as session:
         job = session.get(Job, context.job_id)
-        if job is None:
+        if job is None or job.arguments.get("attempt") != context.attempt:
+            # Another attempt runs: this one was taken for ended.
             return
         job.status, job.message = status, message
         if status == "complete":
@@ -160,10 +179,10 @@ def _finish(engine: Engine, context: JobContext, kind: str, status: str, message
             result.status, result.message = "failed", message
 
 
-def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler) -> None:
+def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler, runner: str) -> None:
     logs.configure(settings)
     engine = engines.create(settings)
-    emit(run_job(engine, settings, job_id, handler))
+    emit(run_job(engine, settings, job_id, handler, runner))
     engine.dispose()
 
 
@@ -177,12 +196,22 @@ class JobRunner:
         How many at once, and how much memory each may take.
     handlers : mapping of kind to Handler
         Module-level functions (they are sent to the child by name).
+    runners : Runners, optional
+        Where the queue is shared.
     """
 
-    def __init__(self, engine: Engine, settings: Settings, handlers: Mapping[str, Handler]) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        settings: Settings,
+        handlers: Mapping[str, Handler],
+        runners: Runners | None = None,
+    ) -> None:
         self._engine = engine
         self._settings = settings
         self._handlers = dict(handlers)
+        self._runners = runners
+        self._looked_s = time.monotonic()
         self._queue = FairQueue(settings.job_workers)
         self._children: dict[str, processes.Child] = {}
         self._attendants: set[threading.Thread] = set()
@@ -198,9 +227,7 @@ class JobRunner:
 
     def start(self) -> None:
         """Queue again what was running when the service ended, then begin to work."""
-        with unit_of_work(self._engine) as session:
-            for job in session.scalars(select(Job).where(Job.status == "running")):
-                self._interrupted(job)
+        self._take_up()
         self._thread = threading.Thread(target=self._run, name="jobs", daemon=True)
         self._thread.start()
 
@@ -224,6 +251,8 @@ class JobRunner:
     def _run(self) -> None:
         while not self._stopping.is_set():
             try:
+                if self._runners is not None and time.monotonic() - self._looked_s > LOOK_S:
+                    self._take_up()
                 has_begun = self._begin_next()
             except Exception:
                 logger.exception("the task queue stumbled; it goes on")
@@ -231,6 +260,24 @@ class JobRunner:
             if not has_begun:
                 self._wake.wait(POLL_S)
                 self._wake.clear()
+
+    def _take_up(self) -> None:
+        """Queue again what ran where nobody runs it any more."""
+        self._looked_s = time.monotonic()
+        with read_only(self._engine) as session:
+            running = session.execute(select(Job.id, Job.arguments).where(Job.status == "running")).all()
+        for job_id, arguments in running:
+            with self._has_ended(job_id, arguments.get("runner", "")) as has_ended:
+                if has_ended:
+                    with unit_of_work(self._engine) as session:
+                        job = session.get(Job, job_id)
+                        if job is not None and job.status == "running":
+                            self._interrupted(job)
+
+    def _has_ended(self, job_id: str, key: str) -> AbstractContextManager[bool]:
+        if self._runners is None or key in ("", self._runners.key):
+            return contextlib.nullcontext(job_id not in self._children)
+        return self._runners.ended(key)
 
     def _begin_next(self) -> bool:
         """Begin one task if there is one and a place for it."""
@@ -271,7 +318,13 @@ class JobRunner:
             if self._stopping.is_set():
                 return None
             child = self._children[job_id] = processes.Child(
-                _work, self._settings, job_id, handler, memory_bytes=memory_bytes, name="job"
+                _work,
+                self._settings,
+                job_id,
+                handler,
+                self._runners.key if self._runners is not None else "",
+                memory_bytes=memory_bytes,
+                name="job",
             )
         try:
             done: JobDone | None = next(child.results(), None)
