@@ -1,12 +1,12 @@
 // What may change of an exercise: its name, its words, and how it is done. What is measured stays.
-import { Button, Group, Textarea, TextInput } from '@mantine/core';
+import { Button, Group } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useChangeExercise } from '../api/queries';
 import type { Exercise, Posture } from '../api/types';
 import { Problem } from '../components/Feedback';
+import { ExerciseWords, PostureChoice } from '../components/forms/ExerciseFields';
 import { t } from '../i18n';
 import { isWalk } from '../lib/exercises';
-import { PostureChoice } from './Exercises';
 
 export function EditExercise({ exercise, onDone }: { exercise: Exercise; onDone: () => void }) {
   const change = useChangeExercise(exercise.id);
@@ -20,24 +20,7 @@ export function EditExercise({ exercise, onDone }: { exercise: Exercise; onDone:
   return (
     <form className="stack" onSubmit={submit}>
       {change.error && <Problem error={change.error} />}
-      <TextInput
-        label={t('exercise.name')}
-        required
-        withAsterisk={false}
-        maxLength={200}
-        value={name}
-        onChange={(event) => setName(event.currentTarget.value)}
-        data-autofocus
-      />
-      <Textarea
-        label={t('exercise.description')}
-        description={t('exercise.descriptionHelp')}
-        autosize
-        minRows={2}
-        maxLength={2000}
-        value={description}
-        onChange={(event) => setDescription(event.currentTarget.value)}
-      />
+      <ExerciseWords name={name} onName={setName} description={description} onDescription={setDescription} />
       {!isWalk(exercise.movement) && <PostureChoice value={posture} onChange={setPosture} />}
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>

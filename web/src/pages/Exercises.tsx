@@ -1,4 +1,4 @@
-import { Button, Group, Modal, Select, Textarea, TextInput } from '@mantine/core';
+import { Button, Group, Modal, Select } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconPlus, IconStretching } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
@@ -6,12 +6,13 @@ import { Link } from 'react-router';
 import { useAddExercise, useExercises } from '../api/queries';
 import type { Exercise, ExerciseIn, Posture } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
+import { ExerciseWords, PostureChoice } from '../components/forms/ExerciseFields';
 import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { TemplateLibrary } from './template/TemplateLibrary';
-import { isWalk, POSTURES, primaryAngles, usualAngle, usualPosture } from '../lib/exercises';
+import { isWalk, primaryAngles, usualAngle, usualPosture } from '../lib/exercises';
 
 const MOVEMENTS = [
   'reaching',
@@ -24,20 +25,6 @@ const MOVEMENTS = [
   'six_minute_walk',
   'other',
 ] as const;
-
-/** Whether it is done standing or sitting: the figure does the same. */
-export function PostureChoice({ value, onChange }: { value: Posture; onChange: (posture: Posture) => void }) {
-  return (
-    <RadioCards
-      legend={t('exercise.posture')}
-      help={t('exercise.postureHelp')}
-      value={value}
-      onChange={onChange}
-      columns={2}
-      options={POSTURES.map((one) => ({ value: one, title: t(`exercise.posture.${one}`) }))}
-    />
-  );
-}
 
 function NewExercise({ onDone }: { onDone: () => void }) {
   const add = useAddExercise();
@@ -66,24 +53,7 @@ function NewExercise({ onDone }: { onDone: () => void }) {
   return (
     <form className="stack" onSubmit={submit}>
       {add.error && <Problem error={add.error} />}
-      <TextInput
-        label={t('exercise.name')}
-        required
-        withAsterisk={false}
-        maxLength={200}
-        value={name}
-        onChange={(event) => setName(event.currentTarget.value)}
-        data-autofocus
-      />
-      <Textarea
-        label={t('exercise.description')}
-        description={t('exercise.descriptionHelp')}
-        autosize
-        minRows={2}
-        maxLength={2000}
-        value={description}
-        onChange={(event) => setDescription(event.currentTarget.value)}
-      />
+      <ExerciseWords name={name} onName={setName} description={description} onDescription={setDescription} />
       <Select
         label={t('exercise.movement')}
         data={MOVEMENTS.map((value) => ({ value, label: t(`movement.${value}`) }))}
