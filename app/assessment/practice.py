@@ -18,10 +18,12 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import Clinic
 from app.accounts.subject import Subject
+from app.assessment.design.day import valid_of_the_day
+from app.assessment.design.dose import dose_of
 from app.database.base import utc_now
 from app.exercises import repository as exercises
 from app.exercises.design import StopDesign
-from app.exercises.models import Prescription
+from app.exercises.models import Prescription, TemplateVersion
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut
 from app.recordings.models import MotionSession
 from app.time_zones import time_zone, week_start
@@ -265,32 +267,48 @@ def _with_practice(
     start = week_start(now, zone)
     done = done_since(session, [patient_id], start)[patient_id]
     shared = share_out([row[0] for row in rows], done, zone, from_monday=True)
-    return [
-        PrescriptionOut(
-            id=row.id,
-            exercise_id=row.exercise_id,
-            exercise_name=exercise,
-            template_id=row.template_id,
-            template_name=template,
-            repetitions=row.repetitions,
-            sets=row.sets,
-            times_per_week=row.times_per_week,
-            days=row.days,
-            times=row.times,
-            tolerance_scale=row.tolerance_scale,
-            stops=[StopDesign.model_validate(one) for one in row.stops],
-            question=row.question,
-            is_due_today=row.starts_at <= now and (not row.days or today.isoweekday() in row.days),
-            done_today=sum(1 for one in shared[row.id] if one.at.astimezone(zone).date() == today),
-            starts_at=row.starts_at,
-            ends_at=row.ends_at,
-            done_this_week=len(shared[row.id]),
-            repetitions_this_week=sum(one.repetitions for one in shared[row.id]),
-            active_s_this_week=sum(one.active_s for one in shared[row.id]),
-            is_twice=any(_run_together(row, other) for other, _, _ in rows),
+    valid = valid_of_the_day(session, patient_id, [row[0].id for row in rows], now, zone)
+    counted = set(
+        session.scalars(
+            select(TemplateVersion.template_id).where(
+                TemplateVersion.template_id.in_([row[0].template_id for row in rows]),
+                TemplateVersion.is_published,
+            )
         )
-        for row, exercise, template in rows
-    ]
+    )
+    answers = []
+    for row, exercise, template in rows:
+        dose = dose_of(row.repetitions, row.sets, ())
+        is_counted = row.template_id in counted
+        sessions = sum(one.at.astimezone(zone).date() == today for one in shared[row.id])
+        answers.append(
+            PrescriptionOut(
+                id=row.id,
+                exercise_id=row.exercise_id,
+                exercise_name=exercise,
+                template_id=row.template_id,
+                template_name=template,
+                repetitions=row.repetitions,
+                sets=row.sets,
+                times_per_week=row.times_per_week,
+                days=row.days,
+                times=row.times,
+                tolerance_scale=row.tolerance_scale,
+                stops=[StopDesign.model_validate(one) for one in row.stops],
+                question=row.question,
+                is_due_today=row.starts_at <= now and (not row.days or today.isoweekday() in row.days),
+                goal=dose.goal if is_counted else 0,
+                goal_done=dose.after(valid[row.id], len(row.times)).before if is_counted else 0,
+                done_today=dose.times_done(valid[row.id]) if is_counted else sessions,
+                starts_at=row.starts_at,
+                ends_at=row.ends_at,
+                done_this_week=len(shared[row.id]),
+                repetitions_this_week=sum(one.repetitions for one in shared[row.id]),
+                active_s_this_week=sum(one.active_s for one in shared[row.id]),
+                is_twice=any(_run_together(row, other) for other, _, _ in rows),
+            )
+        )
+    return answers
 
 
 def _run_together(one: Prescription, other: Prescription) -> bool:

@@ -245,8 +245,12 @@ class PrescriptionOut(Schema):
     ends_at: datetime | None
     is_due_today: bool
     """Whether today, by the clinic's clocks, is one of its days and it has begun; done or not."""
+    goal: int
+    """Valid repetitions of one of its times a day; 0 where no template counts them, so that a session is a time."""
+    goal_done: int
+    """Of these how many are done of the time that is open now; when all of today are done, of the last one."""
     done_today: int
-    """Of the sessions of this week those of today."""
+    """How many of its times a day are done today: goals reached, or sessions where there is none."""
     done_this_week: int
     """Sessions since Monday, by the clinic's clocks, in which something valid was done; each counts once."""
     repetitions_this_week: int

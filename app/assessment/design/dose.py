@@ -38,6 +38,10 @@ class Dose:
         """Whether all of the day was done before this session began: what comes is of the patient's own accord."""
         return self.before >= self.goal
 
+    def times_done(self, done_today: int) -> int:
+        """Return how often the goal is reached with so many valid repetitions of one day."""
+        return done_today // self.goal
+
     def after(self, done_today: int, times: int) -> "Dose":
         """Return the dose of a session that begins after valid repetitions of the same day.
 
@@ -47,7 +51,7 @@ class Dose:
         times : int
             How often a day the dose is prescribed: each time is a goal of its own, one after the other.
         """
-        full = min(done_today // self.goal, max(1, times) - 1)
+        full = min(self.times_done(done_today), max(1, times) - 1)
         return replace(self, before=done_today - full * self.goal)
 
     def reached(self, valid: int, set_valid: int, set_attempts: int, *, is_done: bool) -> Reached:

@@ -1,18 +1,18 @@
 """Which template a session follows, on which side, and how often: what its prescription says."""
 
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime, time
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.assessment.design.compiled import Guidance, guidance_of
+from app.assessment.design.day import valid_of_the_day
 from app.assessment.design.dose import Dose, dose_of
 from app.assessment.practice import zone_of
 from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.models import Patient
-from app.recordings.models import MotionSession, SessionEvent
+from app.recordings.models import MotionSession
 from estimators.conventions import Side
 from estimators.pipelines import SessionSetup
 
@@ -64,32 +64,12 @@ def prescribed_guidance(session: Session, session_id: str, default_zone: str) ->
         more_stops=[StopDesign.model_validate(one) for one in prescription.stops],
     )
     dose = dose_of(prescription.repetitions, prescription.sets, guidance.stops)
-    dose = dose.after(_valid_of_the_day(session, found, default_zone), len(prescription.times))
+    zone = zone_of(session, found.clinic_id, default_zone)
+    valid = valid_of_the_day(session, found.patient_id, [prescription.id], found.created_at, zone)
+    dose = dose.after(valid[prescription.id], len(prescription.times))
     # Whoever counts for the page stops at these numbers too, so that both are always the same.
     others = tuple(rule for rule in guidance.stops if rule.kind not in ("valid_count", "attempt_count"))
     return PrescribedGuidance(replace(guidance, stops=others), dose)
-
-
-def _valid_of_the_day(session: Session, found: MotionSession, default_zone: str) -> int:
-    """Count the valid repetitions of the same prescription in sessions of the same day before this one.
-
-    A day is one by the clocks of the clinic.
-    """
-    zone = zone_of(session, found.clinic_id, default_zone)
-    day = found.created_at.astimezone(zone).date()
-    begins = datetime.combine(day, time(), zone).astimezone(UTC)
-    kinds = session.scalars(
-        select(SessionEvent.details)
-        .join(MotionSession, MotionSession.id == SessionEvent.session_id)
-        .where(
-            MotionSession.prescription_id == found.prescription_id,
-            MotionSession.patient_id == found.patient_id,
-            MotionSession.created_at >= begins,
-            MotionSession.created_at < found.created_at,
-            SessionEvent.kind == "repetition",
-        )
-    )
-    return sum(details.get("kind") == "valid" for details in kinds)
 
 
 def prescribed_version(session: Session, found: MotionSession) -> str | None:

@@ -10,8 +10,9 @@ from app.accounts.models import AuditEvent
 from app.assessment import practice
 from app.assessment.practice import Done, adherence, share_out
 from app.database.base import new_id
-from app.database.unit_of_work import read_only
+from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription
+from app.recordings.models import SessionEvent
 from app.time_zones import is_time_zone, time_zone, week_start
 
 from .history import History
@@ -255,7 +256,7 @@ def test_days_times_and_limits_are_prescribed(history, therapist, patient, world
     assert (made["days"], made["times"], made["times_per_week"]) == ([1, 7], ["09:00", "17:30"], 4)
     assert (made["tolerance_scale"], made["stops"][0]["limit"]) == (1.5, 1.5)
     # 00:30 on Monday.
-    record(history, "2026-06-15T00:10", 12, 90.0)
+    record(history, "2026-06-15T00:10", 12, 90.0, prescription_id=made["id"])
     (row,) = prescriptions(patient, world)
     assert (row["is_due_today"], row["done_today"]) == (True, 1)
     later = {**body, "starts_at": "2026-06-15T00:20:00Z"}
@@ -271,3 +272,38 @@ def test_days_times_and_limits_are_prescribed(history, therapist, patient, world
         {"stops": [{"kind": "time", "limit": 0.0}]},
     ):
         assert therapist.post(path, json={**body, **wrong}).status_code == 422, wrong
+
+
+def test_today_is_done_when_its_goals_are_and_says_what_is_left(history, patient, engine, world, now) -> None:
+    """Ten are prescribed: what was counted live counts at once, else what the analysis found; without a template
+    nothing counts them, and a session is a time."""
+    row = history.prescribe_at(utc("2026-06-01T00:00"))
+
+    def today() -> tuple[int, int, int]:
+        (found,) = prescriptions(patient, world)
+        return found["goal"], found["goal_done"], found["done_today"]
+
+    def prescribe_again(**change) -> None:
+        with unit_of_work(engine) as session:
+            for name, value in change.items():
+                setattr(session.get_one(Prescription, row.id), name, value)
+
+    record(history, "2026-06-14T23:59", 9, 60.0, prescription_id=row.id)
+    assert today() == (10, 0, 0), "that was yesterday"
+    record(history, "2026-06-15T00:10", 4, 30.0, prescription_id=row.id)
+    assert today() == (10, 4, 0)
+    seen = record(history, "2026-06-15T00:15", None, None, state="closing", prescription_id=row.id)
+    with unit_of_work(engine) as session:
+        for number, kind in enumerate(["valid", "partial", "valid", "valid", "wrong_shape"]):
+            session.add(
+                SessionEvent(session_id=seen, time_s=number, kind="repetition", details={"kind": kind})
+            )
+    assert today() == (10, 7, 0)
+    record(history, "2026-06-15T00:20", 8, 60.0, prescription_id=row.id)
+    assert today() == (10, 15, 1)
+    prescribe_again(days=[1], times=["09:00", "17:00"])
+    assert today() == (10, 5, 1), "the second time is begun"
+    prescribe_again(repetitions=3, sets=2)
+    assert today() == (6, 9, 2)
+    prescribe_again(template_id=None)
+    assert today() == (0, 0, 2), "sessions that were analysed"

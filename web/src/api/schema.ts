@@ -4523,6 +4523,10 @@ export interface components {
             exercise_id: string;
             /** Exercise Name */
             exercise_name: string;
+            /** Goal */
+            goal: number;
+            /** Goal Done */
+            goal_done: number;
             /** Id */
             id: string;
             /** Is Due Today */

@@ -23,17 +23,34 @@ export function scheduleText({ days, times }: Pick<Prescription, 'days' | 'times
   return times.length ? t('practice.at', { days: on, times: listed(times) }) : on;
 }
 
-type Due = Pick<Prescription, 'days' | 'times' | 'is_due_today' | 'done_today' | 'done_this_week' | 'times_per_week'>;
+type Goal = Pick<Prescription, 'goal' | 'goal_done'>;
+type Today = Goal & Pick<Prescription, 'times' | 'done_today'>;
+type Due = Today & Pick<Prescription, 'days' | 'is_due_today' | 'done_this_week' | 'times_per_week'>;
 
 /** Whether as much was done this week as is prescribed. */
 export function isDoneForWeek(one: Pick<Prescription, 'done_this_week' | 'times_per_week'>): boolean {
   return one.done_this_week >= one.times_per_week;
 }
 
+/** Whether something of the day's goal was done, and not yet all of it. */
+export function isBegun({ goal, goal_done: done }: Goal): boolean {
+  return done > 0 && done < goal;
+}
+
+const timesOf = ({ times }: Pick<Prescription, 'times'>) => Math.max(1, times?.length ?? 0);
+
 /** Whether it is still to be done today: on its days once for each of its times, otherwise until the week is full. */
 export function isOpenToday(one: Due): boolean {
-  if (!one.days?.length) return !isDoneForWeek(one);
-  return one.is_due_today && one.done_today < Math.max(1, one.times.length);
+  if (!one.days?.length) return isBegun(one) || !isDoneForWeek(one);
+  return one.is_due_today && one.done_today < timesOf(one);
+}
+
+/** For instance `Today: 4 of 10 done`, where several times a day are prescribed of which; empty where none is begun. */
+export function todayText(one: Today): string {
+  const times = timesOf(one);
+  const of = { done: one.goal_done, goal: one.goal, number: one.done_today + 1, times };
+  if (isBegun(one)) return t(times > 1 ? 'mine.goalOfTime' : 'mine.goal', of);
+  return one.done_today > 0 && one.done_today < times ? t('mine.timesDone', { done: one.done_today, times }) : '';
 }
 
 type Week = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'repetitions_this_week' | 'active_s_this_week'>;

@@ -19,7 +19,7 @@ import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { kindFor } from '../../kinds';
 import { mainMeasure, plainProgress } from '../../lib/plain';
-import { isDoneForWeek, isOpenToday, scheduleText } from '../../lib/assessment/practice';
+import { isBegun, isDoneForWeek, isOpenToday, scheduleText, todayText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
@@ -58,6 +58,8 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
   const isWalked = isWalk(exercise?.movement);
   const kind = kindFor(exercise?.movement);
   const isDone = !isOpenToday(prescription);
+  const today = isDone ? '' : todayText(prescription);
+  const begin = t(isDone ? 'mine.again' : isBegun(prescription) ? 'mine.goOn' : 'mine.start');
   const start = () =>
     create.mutate(
       {
@@ -79,6 +81,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
             {doseWords(prescription, isWalked)}, {minutesText([minutesOf(prescription, sessions.data ?? [])])}
           </p>
         )}
+        {today && <p className="strong">{today}</p>}
         <p className="muted">
           {isDone
             ? isDoneForWeek(prescription)
@@ -99,9 +102,9 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         loading={create.isPending}
         disabled={!patient.data || !exercises.data}
         onClick={start}
-        aria-label={`${isDone ? t('mine.again') : t('mine.start')}: ${prescription.exercise_name}`}
+        aria-label={`${begin}: ${prescription.exercise_name}`}
       >
-        {isDone ? t('mine.again') : t('mine.start')}
+        {begin}
       </Button>
       {create.error && <PlainProblem error={create.error} />}
     </li>

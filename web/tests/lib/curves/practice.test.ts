@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { activeText, isOpenToday, scheduleText, weekText } from '../../../src/lib/assessment/practice';
+import { activeText, isOpenToday, scheduleText, todayText, weekText } from '../../../src/lib/assessment/practice';
 
 const week = (done: number, of: number, repetitions = 0, active = 0) => ({
   done_this_week: done,
@@ -41,6 +41,8 @@ it('is due on its days, once for each of its times', () => {
       days: [1, 3],
       times: [],
       is_due_today: true,
+      goal: 0,
+      goal_done: 0,
       done_today: 0,
       done_this_week: 0,
       times_per_week: 2,
@@ -54,4 +56,20 @@ it('is due on its days, once for each of its times', () => {
   expect(of({ done_this_week: 5 })).toBe(true);
   expect(of({ days: [], done_this_week: 1 })).toBe(true);
   expect(of({ days: [], done_this_week: 2, is_due_today: true })).toBe(false);
+  // A goal that was begun today is finished first.
+  expect(of({ days: [], done_this_week: 2, goal: 10, goal_done: 4 })).toBe(true);
+  expect(of({ days: [], done_this_week: 2, goal: 10, goal_done: 10, done_today: 1 })).toBe(false);
+});
+
+it('says what of today is done, as long as something is left', () => {
+  const of = (done: number, goalDone: number, times: string[] = []) =>
+    todayText({ goal: 10, goal_done: goalDone, done_today: done, times });
+  expect(of(0, 0)).toBe('');
+  expect(of(0, 4)).toBe('Today: 4 of 10 done');
+  expect(of(1, 10)).toBe('');
+  const twice = ['09:00', '17:00'];
+  expect(of(0, 4, twice)).toBe('Time 1 of 2 today: 4 of 10 done');
+  expect(of(1, 0, twice)).toBe('1 of 2 times done today');
+  expect(of(1, 4, twice)).toBe('Time 2 of 2 today: 4 of 10 done');
+  expect(of(2, 10, twice)).toBe('');
 });
