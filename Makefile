@@ -114,7 +114,7 @@ bench-cues: $(VENV)/installed ## 10 guided sessions with faults; prints the time
 bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its neighbours notice
 	@$(BIN)/python -m tests.benchmarks.bench_abuse
 
-bench-kills: $(VENV)/compiled ## Kill edges, workers, NATS and PostgreSQL again and again; SESSIONS=6
+bench-kills: $(VENV)/compiled ## Upgrade workers and edges, then kill them, NATS and PostgreSQL again and again; SESSIONS=6
 	@$(BIN)/python -m tests.benchmarks.scaled.kills --sessions $(or $(SESSIONS),6)
 
 bench-scaled: $(VENV)/compiled ## Processor cost of a live session in edge, broker, worker and database, and in one process

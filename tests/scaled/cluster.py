@@ -41,6 +41,8 @@ class Cluster:
         self._calibration = calibration
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self.ports: dict[str, int] = {}
+        self.before: dict[str, str] = {}
+        """Code that a part runs first whenever it is started, by its name."""
         migrate.upgrade(url)
         engine = create_from_url(url)
         with unit_of_work(engine) as session:
@@ -86,7 +88,7 @@ class Cluster:
     def start(self, kind: str, name: str) -> None:
         """Start an edge or a worker; it may not be ready yet."""
         port = self.ports[name] = self.ports.get(name) or free_port()
-        code = f"from app.commands.scaled import {kind}; {kind}('127.0.0.1', {port})"
+        code = f"{self.before.get(name, '')}\nfrom app.commands.scaled import {kind}; {kind}('127.0.0.1', {port})"
         environment = self.environment(port) | {"TELEMOTION_LOG_LEVEL": "info"}
         with (self.folder / f"{name}.log").open("ab") as log:
             self.processes[name] = subprocess.Popen(
