@@ -15,7 +15,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
     <section className={isPaper ? 'paper-sum' : 'stack'} aria-labelledby={title}>
       <h3 id={title}>{t('compare.sum')}</h3>
       <p className={note}>{t('compare.sumLead')}</p>
-      <table className={isPaper ? 'paper-table' : 'plain-table measures weighted'}>
+      <table className={isPaper ? 'paper-table' : 'plain-table measures weighted stacked-table'}>
         <caption className="visually-hidden">{t('compare.sum')}</caption>
         <thead>
           <tr>
@@ -54,7 +54,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
                 </span>
               )}
             </th>
-            <td className="number strong" data-label={t('compare.sumOf')}>
+            <td className="number strong" data-label={t('compare.thisSession')}>
               {uncertain(sum.value, sum.uncertainty, '1')}{' '}
               {sum.count > 0 && <span className="muted small">{t('compare.count', { count: sum.count })}</span>}
             </td>

@@ -92,16 +92,19 @@ function NewExercise({ onDone }: { onDone: () => void }) {
 }
 
 function Card({ exercise }: { exercise: Exercise }) {
+  const movement = t(`movement.${exercise.movement}`);
+  const kind = [
+    movement !== exercise.name && movement,
+    ...(isWalk(exercise.movement)
+      ? []
+      : [t(`exercise.arm.${exercise.side ?? 'right'}`), t(`exercise.posture.${exercise.posture ?? 'standing'}`)]),
+  ].filter(Boolean);
   return (
     <li className="card exercise-card">
       <h2>
         <Link to={`/exercises/${exercise.id}`}>{exercise.name}</Link>
       </h2>
-      <p className="muted small">
-        {t(`movement.${exercise.movement}`)}
-        {!isWalk(exercise.movement) &&
-          ` · ${t(`exercise.arm.${exercise.side ?? 'right'}`)} · ${t(`exercise.posture.${exercise.posture ?? 'standing'}`)}`}
-      </p>
+      {kind.length > 0 && <p className="muted small">{kind.join(' · ')}</p>}
       {exercise.description && <p>{exercise.description}</p>}
       <p className="small muted">
         {isWalk(exercise.movement)

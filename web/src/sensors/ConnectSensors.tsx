@@ -45,10 +45,18 @@ const WAYS = [
   { way: 'box', Icon: IconRouter },
 ] as const;
 
-function Choice({ ways, onChoose }: { ways: readonly Way[]; onChoose: (way: Way) => void }) {
+/** In mid-exercise only what goes on with this session here: a phone that is its one sensor, or its Bluetooth sensors. */
+function waysFor(session: SessionDetail, isMidway: boolean): Way[] {
+  const hasPlace = phonePlace(session) !== null;
+  if (!isMidway) return hasPlace ? ['phone', 'bluetooth', 'box'] : ['bluetooth', 'box'];
+  const isPhone = navigator.maxTouchPoints > 0;
+  return hasPlace && isPhone && session.placements.length === 1 ? ['phone', 'bluetooth'] : ['bluetooth'];
+}
+
+function Choice({ ways, title, onChoose }: { ways: readonly Way[]; title: string; onChoose: (way: Way) => void }) {
   return (
     <section className="card" aria-labelledby="sensor-ways">
-      <h2 id="sensor-ways">{t('sensors.title')}</h2>
+      <h2 id="sensor-ways">{title}</h2>
       <div className="sensor-ways">
         {WAYS.filter(({ way }) => ways.includes(way)).map(({ way, Icon }) => (
           <UnstyledButton key={way} className="sensor-way" onClick={() => onChoose(way)}>
@@ -203,11 +211,14 @@ function useElsewhere(isAsked: boolean): boolean {
 export default function ConnectSensors({
   session,
   isWaiting,
+  isMidway = false,
   box,
 }: {
   session: SessionDetail;
   /** Nothing comes from anywhere yet. */
   isWaiting: boolean;
+  /** The exercise is recorded already, and the signal was lost. */
+  isMidway?: boolean;
   /** The steps with the box. */
   box?: ReactNode;
 }) {
@@ -228,7 +239,11 @@ export default function ConnectSensors({
     return (
       <>
         {box}
-        <Choice ways={place ? ['phone', 'bluetooth', 'box'] : ['bluetooth', 'box']} onChoose={setWay} />
+        <Choice
+          ways={waysFor(session, isMidway)}
+          title={t(isMidway ? 'sensors.again' : 'sensors.title')}
+          onChoose={setWay}
+        />
       </>
     );
   return (

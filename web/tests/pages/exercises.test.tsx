@@ -34,6 +34,13 @@ describe('how an exercise is done', () => {
     );
   });
 
+  it('is not repeated where the name says it', async () => {
+    const walk = { ...EXERCISE, id: 'w', name: 'Timed up and go', movement: 'timed_up_and_go', description: '' };
+    renderPage(<ExercisesPage />, { answers: { '/api/exercises': [walk], '/api/templates': [] } });
+    const card = (await screen.findByRole('heading', { name: 'Timed up and go' })).closest('li');
+    expect(card?.textContent?.match(/Timed up and go/g)).toHaveLength(1);
+  });
+
   it('can be changed later, and nothing of what is measured', async () => {
     const { asked } = renderPage(<ExercisePage />, {
       at: '/exercises/e',

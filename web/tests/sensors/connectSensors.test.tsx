@@ -1,4 +1,4 @@
-import { screen } from '@testing-library/react';
+import { cleanup, screen } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { SessionDetail } from '../../src/api/types';
@@ -25,6 +25,23 @@ it('offers no phone where no upper arm is worn, and nothing once something measu
   expect(screen.queryByRole('button', { name: /This phone/ })).toBeNull();
   rerender(<ConnectSensors session={session(['foot_left'])} isWaiting={false} />);
   expect(screen.queryByRole('button')).toBeNull();
+});
+
+it('offers in mid-exercise only what goes on with this session on this device', () => {
+  const buttonsOf = (placements: string[]) => {
+    cleanup();
+    renderPage(<ConnectSensors session={session(placements)} isWaiting isMidway />, { answers: {} });
+    return screen.queryAllByRole('button').map((one) => one.textContent);
+  };
+  expect(buttonsOf(ARM)).toEqual([expect.stringContaining('Bluetooth sensors')]);
+  expect(screen.getByRole('heading', { name: 'Did this device measure?' })).toBeTruthy();
+  // A phone with a session of its own goes on; a desktop is none.
+  expect(buttonsOf(['upper_arm_right'])).toHaveLength(1);
+  vi.stubGlobal('navigator', { ...navigator, maxTouchPoints: 5 });
+  expect(buttonsOf(['upper_arm_right'])).toEqual([
+    expect.stringContaining('This phone'),
+    expect.stringContaining('Bluetooth sensors'),
+  ]);
 });
 
 it('says what one phone sees and does not see, and why it cannot measure here', async () => {

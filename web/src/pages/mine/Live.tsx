@@ -260,6 +260,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <ConnectSensors
           session={session}
           isWaiting={moment === 'putOn' || moment === 'silent'}
+          isMidway={records}
           box={moment === 'putOn' && <PutOn session={session} />}
         />
       </Suspense>
@@ -276,7 +277,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             from={records ? 'movement' : 'start'}
             isPlain
           />
-          {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
+          {shown?.has_ghost && <p className="muted doing-example">{t('home.example')}</p>}
           {isDoing && <Controls guidance={guidance} hold={hold} />}
         </>
       )}

@@ -4,6 +4,7 @@ import type { sensors as english } from '../../en/own/sensors';
 
 export const sensors: Translated<typeof english> = {
   'sensors.title': 'Kein Gerät zur Hand?',
+  'sensors.again': 'Hat dieses Gerät gemessen?',
   'sensors.phone': 'Dieses Telefon',
   'sensors.phoneText': 'In einem Band um Ihren Oberarm.',
   'sensors.bluetooth': 'Bluetooth-Sensoren',

@@ -1,6 +1,7 @@
 // Words of measuring without a box: with the phone itself, or with sensors that the browser connects.
 export const sensors = {
   'sensors.title': 'No box at hand?',
+  'sensors.again': 'Did this device measure?',
   'sensors.phone': 'This phone',
   'sensors.phoneText': 'In a strap around your upper arm.',
   'sensors.bluetooth': 'Bluetooth sensors',

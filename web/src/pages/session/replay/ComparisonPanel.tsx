@@ -80,7 +80,7 @@ function Start({ session, resultId }: { session: SessionDetail; resultId: string
 /** One measure of the session beside the template's. */
 function Measures({ measures }: { measures: readonly MeasureValue[] }) {
   return (
-    <table className="plain-table measures">
+    <table className="plain-table measures stacked-table">
       <caption className="visually-hidden">{t('compare.summary')}</caption>
       <thead>
         <tr>
@@ -102,7 +102,7 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
             {rows.map((one) => (
               <tr key={one.measure}>
                 <th scope="row">{one.label}</th>
-                <td className="number">
+                <td className="number" data-label={t('compare.patient')}>
                   {one.count > 0 && typeof one.value === 'number' && (
                     <>
                       {uncertain(one.value, one.uncertainty ?? null, one.unit)}{' '}
@@ -111,7 +111,9 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
                   )}
                   {one.note ? <span className="measure-note muted small">{one.note}</span> : one.value === null && '–'}
                 </td>
-                <td className="number muted">{quantity(one.template_value, one.unit)}</td>
+                <td className="number muted" data-label={t('compare.template')}>
+                  {quantity(one.template_value, one.unit)}
+                </td>
               </tr>
             ))}
           </tbody>
@@ -124,7 +126,7 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
 /** Each measure beside that of the other side's newest session, and how alike both are. */
 function BothSides({ measures }: { measures: NonNullable<ComparisonDetail['other_side']> }) {
   return (
-    <table className="plain-table measures">
+    <table className="plain-table measures stacked-table">
       <caption className="visually-hidden">{t('compare.bothSides')}</caption>
       <thead>
         <tr>
@@ -142,8 +144,10 @@ function BothSides({ measures }: { measures: NonNullable<ComparisonDetail['other
                 {symmetryText(one.symmetry_ratio, one.symmetry_ratio_sigma, one.symmetry_angle_percent)}
               </span>
             </th>
-            <td className="number">{quantity(one.value, one.unit)}</td>
-            <td className="number">
+            <td className="number" data-label={t('compare.thisSession')}>
+              {quantity(one.value, one.unit)}
+            </td>
+            <td className="number" data-label={t('compare.otherSide')}>
               {quantity(one.other_value, one.unit)}{' '}
               <span className="muted small">{t('compare.count', { count: one.other_count })}</span>
             </td>

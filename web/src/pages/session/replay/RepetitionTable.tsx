@@ -36,7 +36,7 @@ export function RepetitionTable({
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll" role="group" aria-labelledby="by-repetition" tabIndex={0}>
-        <table className="plain-table wide-table">
+        <table className="plain-table wide-table stacked-table">
           <thead>
             <tr>
               <th scope="col">{t('repetition.one')}</th>
@@ -72,7 +72,7 @@ export function RepetitionTable({
                 {columns.map((column) => {
                   const value = one.measures.find((measure) => measure.measure === column.measure);
                   return (
-                    <td className="number" key={column.measure}>
+                    <td className="number" key={column.measure} data-label={column.label}>
                       {value ? uncertain(value.value ?? null, value.uncertainty ?? null, value.unit) : '–'}
                     </td>
                   );
@@ -84,7 +84,7 @@ export function RepetitionTable({
             <tr>
               <th scope="row">{t('repetition.mean', { count: comparison.repetition_count })}</th>
               {columns.map((column) => (
-                <td className="number strong" key={column.measure}>
+                <td className="number strong" key={column.measure} data-label={column.label}>
                   {uncertain(column.value ?? null, column.uncertainty ?? null, column.unit)}
                 </td>
               ))}
@@ -92,7 +92,7 @@ export function RepetitionTable({
             <tr>
               <th scope="row">{t('compare.template')}</th>
               {columns.map((column) => (
-                <td className="number muted" key={column.measure}>
+                <td className="number muted" key={column.measure} data-label={column.label}>
                   {quantity(column.template_value, column.unit)}
                 </td>
               ))}

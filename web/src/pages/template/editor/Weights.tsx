@@ -31,7 +31,7 @@ export function Weights({ weights, measures, onChange }: Props) {
         {weights.map((part, index) => {
           const measure = measures.find((one) => one.measure === part.measure);
           return (
-            <li key={part.measure} className="stop-limit">
+            <li key={part.measure} className="stop-limit weight-row">
               <Select
                 label={t('design.weightMeasure')}
                 description={
