@@ -226,7 +226,7 @@ async def open_foundation(
     services = Services(settings=settings, engine=engine)
     services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
     services.add(SignInLimits())
-    services.add(PairingBook())
+    services.add(PairingBook(settings))
     refused = services.add(RefusedSignIns(engine, settings))
     stack.push_async_callback(partial(to_thread.run_sync, refused.close))
     services.add(DiskUse(engine, settings.clinic_disk_bytes))

@@ -117,6 +117,19 @@ class Ticket(Identified, Base):
     used_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
 
+class PairingCode(Identified, Base):
+    """One-use, ten-minute right to one device token of a patient; see `app.accounts.pairing`."""
+
+    __tablename__ = "pairing_code"
+
+    code_hash: Mapped[str] = mapped_column(String(64), unique=True)
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    account_id: Mapped[str] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"))
+    label: Mapped[str] = mapped_column(String(100))
+    days: Mapped[int] = mapped_column(Integer)
+    expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
+
+
 class Consent(Identified, Base):
     """A patient's yes or no to one purpose: `treatment`, `research`, `home_streaming`."""
 

@@ -1,29 +1,37 @@
 """Pairing codes: eight characters that a gateway exchanges once, within minutes, for its device token.
 
-They are held in this process (one process writes a database) and only as hashes: a service that is started again
-forgets them, and a new one is made.
+They wait in the database, so every edge redeems what another one gave. Only a hash with a key of the service is stored:
+who reads the table could try all 30^8 codes, but not without that key.
 """
 
+import hmac
 import math
 import secrets
-import threading
 import time
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from typing import Final
 
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
 from app.accounts.credentials.rate_limit import LeakyCounter, Limit, network_of
-from app.accounts.credentials.tokens import hash_token
+from app.accounts.credentials.tickets import account_subject
+from app.accounts.models import Account, PairingCode
 from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
+from app.database.base import utc_now
 from app.errors import SignInRequired, TooManyAttempts
 from app.sentences import say
+from app.settings import Settings
 
 ALPHABET: Final = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Without characters that are mistaken for each other."""
 LENGTH: Final = 8
-LIFE_S: Final = 600.0
+LIFE: Final = timedelta(minutes=10)
+PER_PATIENT: Final = 20
+"""Codes that wait at once; the oldest are deleted."""
 PER_ADDRESS: Final = Limit(capacity=10, recovery_s=30.0)
 """Wrong codes: with 30^8 codes and ten minutes, guessing one of a thousand takes an address 600 years."""
 
@@ -42,45 +50,62 @@ class PairingBook:
 
     Parameters
     ----------
+    settings : Settings
+        For the key of the hashes.
     per_address : Limit
-        Of wrong codes.
-    maximum : int
-        Codes at once; above it the oldest are forgotten.
+        Of wrong codes; counted in this process.
     clock : callable
-        Monotonic seconds.
+        Monotonic seconds, for the limit.
     """
 
     def __init__(
         self,
+        settings: Settings,
         per_address: Limit = PER_ADDRESS,
-        maximum: int = 10_000,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        self._key = settings.key_for("pairing-code")
         self._wrong = LeakyCounter(per_address, clock=clock)
-        self._maximum = maximum
-        self._clock = clock
-        self._offers: OrderedDict[str, tuple[float, Offer]] = OrderedDict()
-        self._lock = threading.Lock()
 
-    def offer(self, offer: Offer) -> str:
-        """Return a new code, valid for ten minutes.
+    def offer(self, session: Session, offer: Offer) -> tuple[str, datetime]:
+        """Return a new code and when it expires; the caller has checked the right to the patient.
 
         Parameters
         ----------
+        session : Session
+            Writing.
         offer : Offer
+            Its giver is an account.
         """
+        now = utc_now()
         code = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
-        with self._lock:
-            self._offers[hash_token(code)] = (self._clock() + LIFE_S, offer)
-            while len(self._offers) > self._maximum:
-                self._offers.popitem(last=False)
-        return code
+        too_many = (
+            select(PairingCode.id)
+            .where(PairingCode.patient_id == offer.patient_id)
+            .order_by(PairingCode.expires_at.desc(), PairingCode.id)
+            .offset(PER_PATIENT - 1)
+        )
+        for old in (PairingCode.expires_at <= now, PairingCode.id.in_(session.scalars(too_many).all())):
+            session.execute(delete(PairingCode).where(old))
+        row = PairingCode(
+            code_hash=self._hash(code),
+            patient_id=offer.patient_id,
+            account_id=offer.giver.account_id or offer.giver.id,
+            label=offer.wanted.label,
+            days=offer.wanted.days,
+            expires_at=now + LIFE,
+        )
+        session.add(row)
+        session.flush()
+        return code, row.expires_at
 
-    def take(self, code: str, address: str) -> Offer:
+    def take(self, session: Session, code: str, address: str) -> Offer:
         """Use a code up.
 
         Parameters
         ----------
+        session : Session
+            Writing; the code is used up when it commits.
         code : str
             As typed: small letters, blanks and dashes do not matter.
         address : str
@@ -89,7 +114,7 @@ class PairingBook:
         Raises
         ------
         SignInRequired
-            Unknown, used or too old.
+            Unknown, used or too old, or its giver is no longer active.
         TooManyAttempts
             Too many wrong codes from this address.
         """
@@ -99,9 +124,18 @@ class PairingBook:
             seconds = math.ceil(wait_s)
             raise TooManyAttempts(say("device.too_many_codes", seconds=seconds), retry_after_s=seconds)
         plain = "".join(character for character in code.upper() if character.isalnum())
-        with self._lock:
-            expires, offer = self._offers.pop(hash_token(plain), (0.0, None))
-        if offer is None or expires <= self._clock():
+        # One statement decides who was first, on every database.
+        row = session.execute(
+            delete(PairingCode)
+            .where(PairingCode.code_hash == self._hash(plain), PairingCode.expires_at > utc_now())
+            .returning(PairingCode.account_id, PairingCode.patient_id, PairingCode.label, PairingCode.days)
+            .execution_options(synchronize_session=False)
+        ).one_or_none()
+        giver = None if row is None else session.get(Account, row.account_id)
+        if row is None or giver is None or not giver.is_active:
             raise SignInRequired(say("device.code_refused"))
         self._wrong.give_back(key)
-        return offer
+        return Offer(account_subject(giver), row.patient_id, DeviceTokenIn(label=row.label, days=row.days))
+
+    def _hash(self, code: str) -> str:
+        return hmac.digest(self._key, code.encode(), "sha256").hex()

@@ -3,18 +3,16 @@
 All of it is for who may manage the patient's data, and for the patient: somebody's own telephone.
 """
 
-from datetime import timedelta
-
 from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
 from app.accounts.device_tokens import create_device_token, get_device_token, list_device_tokens
-from app.accounts.models import Account, DeviceToken
-from app.accounts.pairing import LIFE_S, Offer, PairingBook
+from app.accounts.models import DeviceToken
+from app.accounts.pairing import Offer, PairingBook
 from app.accounts.schemas import DeviceTokenIn, DeviceTokenOut, PairingCodeOut
 from app.accounts.subject import Subject
 from app.database.base import utc_now
-from app.errors import NotFound, SignInRequired
+from app.errors import NotFound
 from app.pages import Page
 from app.patients.access import require_own_or_manage
 from app.sentences import say
@@ -67,7 +65,8 @@ def offer_pairing(session: Session, book: PairingBook, offer: Offer) -> PairingC
     """
     require_own_or_manage(session, offer.giver, offer.patient_id)
     record(session, offer.giver, "device_token.offer", offer.patient_id)
-    return PairingCodeOut(code=book.offer(offer), expires_at=utc_now() + timedelta(seconds=LIFE_S))
+    code, expires_at = book.offer(session, offer)
+    return PairingCodeOut(code=code, expires_at=expires_at)
 
 
 def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
@@ -80,9 +79,6 @@ def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
     offer : Offer
         From a code that was used up.
     """
-    giver = session.get(Account, offer.giver.account_id)
-    if giver is None or not giver.is_active:
-        raise SignInRequired(say("device.code_refused"))
     return add_device_token(session, settings, offer.giver, offer.patient_id, offer.wanted)
 
 

@@ -117,7 +117,8 @@ def pair_device(body: PairingIn, request: Request, session: WriteSession) -> Dev
     """
     services = services_of(request)
     address = request.client.host if request.client else "unknown"
-    return devices.pair(session, services.settings, services.get(PairingBook).take(body.code, address))
+    offer = services.get(PairingBook).take(session, body.code, address)
+    return devices.pair(session, services.settings, offer)
 
 
 @router.delete("/device-tokens/{token_id}", status_code=204)

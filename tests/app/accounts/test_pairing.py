@@ -1,49 +1,89 @@
 """Pairing codes: one use, minutes, one patient, and no guessing."""
 
 import pytest
+from sqlalchemy import select, update
 
 from app.accounts.credentials.rate_limit import Limit
-from app.accounts.pairing import ALPHABET, LENGTH, LIFE_S, Offer, PairingBook
+from app.accounts.credentials.tickets import account_subject
+from app.accounts.models import Account, PairingCode
+from app.accounts.pairing import ALPHABET, LENGTH, LIFE, PER_PATIENT, Offer, PairingBook
 from app.accounts.schemas import DeviceTokenIn
-from app.accounts.subject import Subject
+from app.database.base import utc_now
+from app.database.unit_of_work import unit_of_work
 from app.errors import SignInRequired, TooManyAttempts
 
-OFFER = Offer(
-    Subject("account", "a", "a", "c", "therapist", None), "p", DeviceTokenIn(label="tablet", days=90)
-)
+
+@pytest.fixture
+def offer(engine, world):
+    with unit_of_work(engine) as session:
+        giver = account_subject(session.get(Account, world.accounts["therapist"]))
+    return Offer(giver, world.patient_id, DeviceTokenIn(label="tablet", days=30))
 
 
-def test_a_code_works_once_however_it_is_typed():
-    book = PairingBook()
-    code = book.offer(OFFER)
+def given(engine, book, offer):
+    with unit_of_work(engine) as session:
+        return book.offer(session, offer)[0]
+
+
+def taken(engine, book, code, address="10.0.0.1"):
+    with unit_of_work(engine) as session:
+        return book.take(session, code, address)
+
+
+def test_a_code_works_once_at_any_edge_however_it_is_typed(engine, settings, offer):
+    book, of_another_edge = PairingBook(settings), PairingBook(settings)
+    code = given(engine, book, offer)
     assert len(code) == LENGTH
     assert set(code) <= set(ALPHABET)
-    assert code not in repr(book.__dict__)
-    assert book.take(f" {code[:4].lower()}-{code[4:]}", "10.0.0.1") == OFFER
+    assert taken(engine, of_another_edge, f" {code[:4].lower()}-{code[4:]}") == offer
+    for one in (book, of_another_edge):
+        with pytest.raises(SignInRequired):
+            taken(engine, one, code)
+
+
+def test_what_is_stored_of_a_code_needs_the_key_of_the_service(engine, settings, offer):
+    code = given(engine, PairingBook(settings), offer)
+    with unit_of_work(engine) as session:
+        assert code not in repr(session.execute(select(PairingCode.__table__)).all())
+    other = settings.model_copy(update={"secret_key": type(settings.secret_key)("another" * 8)})
     with pytest.raises(SignInRequired):
-        book.take(code, "10.0.0.1")
+        taken(engine, PairingBook(other), code)
+    assert taken(engine, PairingBook(settings), code) == offer
 
 
-def test_a_code_is_too_old_after_ten_minutes():
-    now_s = 0.0
-    book = PairingBook(clock=lambda: now_s)
-    early, late = book.offer(OFFER), book.offer(OFFER)
-    now_s = LIFE_S - 1.0
-    assert book.take(early, "10.0.0.1") == OFFER
-    now_s = LIFE_S
+def test_a_code_is_too_old_after_ten_minutes(engine, settings, offer):
+    book = PairingBook(settings)
+    early, late = given(engine, book, offer), given(engine, book, offer)
+    with unit_of_work(engine) as session:
+        for row in session.scalars(select(PairingCode)):
+            assert abs(row.expires_at - utc_now() - LIFE).total_seconds() < 60.0
+    assert taken(engine, book, early) == offer
+    with unit_of_work(engine) as session:
+        session.execute(update(PairingCode).values(expires_at=utc_now()))
     with pytest.raises(SignInRequired):
-        book.take(late, "10.0.0.1")
+        taken(engine, book, late)
+    given(engine, book, offer)
+    with unit_of_work(engine) as session:
+        assert len(session.scalars(select(PairingCode)).all()) == 1, "one that expired is deleted"
 
 
-def test_an_address_that_guesses_is_stopped_and_no_other():
-    book = PairingBook(per_address=Limit(capacity=3, recovery_s=60.0), clock=lambda: 5.0)
-    code = book.offer(OFFER)
+def test_the_oldest_codes_of_a_patient_make_room(engine, settings, offer):
+    book = PairingBook(settings)
+    codes = [given(engine, book, offer) for _ in range(PER_PATIENT + 1)]
+    with pytest.raises(SignInRequired):
+        taken(engine, book, codes[0])
+    assert [taken(engine, book, one) for one in codes[1:]] == [offer] * PER_PATIENT
+
+
+def test_an_address_that_guesses_is_stopped_and_no_other(engine, settings, offer):
+    book = PairingBook(settings, per_address=Limit(capacity=3, recovery_s=60.0), clock=lambda: 5.0)
+    code = given(engine, book, offer)
     for _ in range(3):
         with pytest.raises(SignInRequired):
-            book.take("22222222", "10.0.0.1")
+            taken(engine, book, "22222222")
     with pytest.raises(TooManyAttempts):
-        book.take(code, "10.0.0.1")
-    assert book.take(code, "10.0.0.2") == OFFER
+        taken(engine, book, code)
+    assert taken(engine, book, code, "10.0.0.2") == offer
 
 
 def test_a_gateway_gets_a_token_of_this_patient(patient, new_client, world):
