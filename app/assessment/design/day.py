@@ -53,6 +53,7 @@ def valid_of_the_day(
         live[session_id] += details.get("kind") == "valid"
     valid: Counter[str] = Counter()
     for session_id, prescription_id, analysed in begun:
+        assert prescription_id is not None, "asked for by prescription"
         valid[prescription_id] += live.get(session_id, analysed or 0)
     return valid
 
