@@ -53,6 +53,7 @@ from app.live.endpoints import router as live_router
 from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
+from app.live.session.opening import Place
 from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
 from app.observation import observe
@@ -197,8 +198,7 @@ async def open_services(
         on_closed=analyse,
         limits=services.limits,
         longest_s=settings.session_limit_hours * 3600.0,
-        time_zone=settings.time_zone,
-        hemisphere=settings.hemisphere,
+        place=Place(settings.hemisphere, settings.time_zone),
         confirmation_hours=settings.implant_confirmation_hours,
     )
     await live.start()

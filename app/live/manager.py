@@ -26,7 +26,7 @@ from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Hous
 from app.live.messages import StateMessage
 from app.live.patience import Patience
 from app.live.session.intake import Intake
-from app.live.session.opening import Opener, check_network
+from app.live.session.opening import ANYWHERE, Opener, Place, check_network
 from app.live.session.runner import LiveSession
 from app.live.session.saver import until_written
 from app.live.session.states import OPEN
@@ -38,8 +38,6 @@ from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.schemas import Schema
 from app.sentences import Sentence, say
-from app.time_zones import UTC_NAME
-from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup
 
 logger = logging.getLogger(__name__)
@@ -75,10 +73,8 @@ class LiveManager(SteeredSide):
         Called in a thread when everything of a session is stored: queues its analysis, once.
     limits : Limits
         How many sessions may be live at once.
-    time_zone : str
-        In which a day begins for clinics that have not set theirs.
-    hemisphere : {"north", "south", "unknown"}
-        Of the place, see `FirstSeconds`.
+    place : Place
+        Where it stands.
     confirmation_hours : float
         How long the word that nobody has an implant holds; a source is stopped when it ends.
     shared : Shared, optional
@@ -96,8 +92,7 @@ class LiveManager(SteeredSide):
         idle_close_s: float = IDLE_CLOSE_S,
         goodbye_close_s: float = GOODBYE_CLOSE_S,
         longest_s: float = LONGEST_S,
-        time_zone: str = UTC_NAME,
-        hemisphere: Hemisphere = "north",
+        place: Place = ANYWHERE,
         confirmation_hours: float = CONFIRMATION_HOURS,
         shared: Shared | None = None,
     ) -> None:
@@ -132,7 +127,7 @@ class LiveManager(SteeredSide):
         self.admission = shared.admission
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
-        self._opener = Opener(engine, writer, bus, hemisphere, self._check_process, time_zone=time_zone)
+        self._opener = Opener(engine, writer, bus, place, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
         self.pooled = shared.pooled
 

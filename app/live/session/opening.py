@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
+from typing import Final
 
 from sqlalchemy import Engine
 
@@ -28,6 +29,25 @@ from estimators.pipelines import SessionSetup
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where the service stands.
+
+    Attributes
+    ----------
+    hemisphere : {"north", "south", "unknown"}
+        See `FirstSeconds`.
+    time_zone : str
+        In which a day begins for clinics that have not set theirs.
+    """
+
+    hemisphere: Hemisphere = "north"
+    time_zone: str = UTC_NAME
+
+
+ANYWHERE: Final = Place()
+
+
+@dataclass(frozen=True)
 class Opener:
     """Makes live sessions of stored ones.
 
@@ -37,23 +57,19 @@ class Opener:
     writer : GroupCommitWriter
         Started.
     bus : Bus
-    hemisphere : {"north", "south", "unknown"}
-        Of the place, see `FirstSeconds`.
+    place : Place
     check : CheckProcess
         Where the first seconds are checked.
     checkpoint : callable(session_id), optional
         Reads where a session stood that moves from another machine; without, it is taken up as after a restart.
-    time_zone : str
-        In which a day begins for clinics that have not set theirs.
     """
 
     engine: Engine
     writer: GroupCommitWriter
     bus: Bus
-    hemisphere: Hemisphere
+    place: Place
     check: CheckProcess
     checkpoint: Callable[[str], Checkpoint | None] | None = None
-    time_zone: str = UTC_NAME
 
     async def open(
         self, session_id: str, declaration: Declaration, prepared: Callable[[SessionSetup], Awaitable[None]]
@@ -107,7 +123,7 @@ class Opener:
             bus=self.bus,
             result_id=result_id,
             first_unstored_tick=first_unstored,
-            hemisphere=self.hemisphere,
+            hemisphere=self.place.hemisphere,
             check=self.check,
         )
         session.ledger.durable = await asyncio.to_thread(
@@ -118,7 +134,7 @@ class Opener:
             trouble = await asyncio.to_thread(self._rebuild, session)
             if trouble is not None:
                 session.line.stop(trouble)
-        await asyncio.to_thread(guide_session, session, self.engine, self.bus, self.time_zone)
+        await asyncio.to_thread(guide_session, session, self.engine, self.bus, self.place.time_zone)
         return session
 
     def _rebuild(self, session: LiveSession) -> Exception | None:
@@ -171,4 +187,4 @@ def setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
     )
 
 
-__all__ = ["Opener", "check_network", "setup_for"]
+__all__ = ["ANYWHERE", "Opener", "Place", "check_network", "setup_for"]

@@ -17,6 +17,7 @@ from app.live.bus import MemoryBus
 from app.live.manager import LiveManager, Shared
 from app.live.messages import StateMessage
 from app.live.repository import StoredSession
+from app.live.session.opening import Place
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled import checkpoints
@@ -72,7 +73,7 @@ class PartitionSessions(LiveManager):
             on_closed,
             limits=shared.limits,
             longest_s=settings.session_limit_hours * 3600.0,
-            hemisphere=settings.hemisphere,
+            place=Place(settings.hemisphere, settings.time_zone),
             confirmation_hours=settings.implant_confirmation_hours,
             shared=shared,
         )
