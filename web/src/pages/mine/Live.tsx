@@ -9,7 +9,7 @@ import {
   IconRun,
 } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
-import { lazy, Suspense, useState } from 'react';
+import { lazy, Suspense, useEffect, useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
 import { keys, useExercises, useSession } from '../../api/queries';
@@ -28,13 +28,15 @@ import { StepPicture } from '../../pictures/StepPicture';
 import { WearPicture } from '../../pictures/WearPicture';
 import { useCalibrating } from '../calibration/useCalibrating';
 import { measuringFor, sendRest } from '../../sensors/registry';
-import { After } from './exercise/After';
 import { Controls, Count, isGuided, NowLine } from './exercise/Doing';
 import { useHold } from './exercise/useHold';
 import { isRecording, momentOf, type Moment } from './moment';
 import { PlainProblem } from './PlainProblem';
 
 const ConnectSensors = lazy(() => import('../../sensors/ConnectSensors'));
+/** Loaded while she moves, so that it is there when the link has ended. */
+const loadAfter = () => import('./exercise/After');
+const After = lazy(loadAfter);
 
 const LIVE = { mode: 'live' } as const;
 const EMPTY_PERCENT = 15;
@@ -135,6 +137,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   useSession(session.id, moment === 'preparing' ? ASK_MS : undefined);
   const { start, cancel, error } = useCalibrating(session.id);
   const records = isRecording(snapshot, session);
+  useEffect(() => {
+    if (records) loadAfter().catch(() => undefined);
+  }, [records]);
   const deed = useMutation({
     mutationFn: async (what: 'record' | 'end') => {
       if (what === 'record') return api.post<unknown>(`/api/sessions/${session.id}/record`);
@@ -254,7 +259,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       )}
       {isDoing && problem && <Trouble error={problem} />}
       {(moment === 'preparing' || moment === 'done') && session.exercise_id && (
-        <After session={session} guidance={guidance} />
+        <Suspense fallback={<Waiting />}>
+          <After session={session} guidance={guidance} />
+        </Suspense>
       )}
       <Suspense fallback={null}>
         <ConnectSensors

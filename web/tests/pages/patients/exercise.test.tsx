@@ -6,7 +6,7 @@ import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { GuidanceMessage, SessionDetail } from '../../../src/api/types';
-import { After } from '../../../src/pages/mine/exercise/After';
+import After from '../../../src/pages/mine/exercise/After';
 import { Controls, Count, NowLine } from '../../../src/pages/mine/exercise/Doing';
 import { momentOf } from '../../../src/pages/mine/moment';
 import { heldBy, useHold } from '../../../src/pages/mine/exercise/useHold';

@@ -62,7 +62,7 @@ function TrueWord({ session, guidance }: { session: SessionDetail; guidance: Gui
   return <p className="mine-say">{isNew && main?.is_real_change ? plainProgress(main) : did}</p>;
 }
 
-export function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
+export default function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
   const client = useQueryClient();
   const path = `/api/sessions/${session.id}/answers`;
   const stored = useAnswers(session.id);
