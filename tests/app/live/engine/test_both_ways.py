@@ -10,6 +10,7 @@ from sqlalchemy import Engine
 
 from app.limits import Limits
 from app.live.bus import MemoryBus, Subscription, topic
+from app.live.engine.pools import SessionPool
 from app.live.manager import LiveManager
 from app.live.session.runner import LiveSession
 from app.live.warmup import FIRST, warm_up
@@ -29,6 +30,22 @@ SECONDS = 6.0
 def no_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks of the first seconds run in a process of their own, whenever it has time."""
     monkeypatch.setattr("app.live.checks.first_seconds.CheckTurns.begin", lambda _: False)
+
+
+@pytest.fixture(autouse=True)
+def by_thread(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let a pool's thread take turns of several packets, as it does where there is much at once; how many each time."""
+    counts: list[int] = []
+    ask = SessionPool.ask
+
+    def noted(pool: SessionPool, journal: int) -> None:
+        counts.append(pool._count)
+        ask(pool, journal)
+
+    monkeypatch.setattr(SessionPool, "ask", noted)
+    monkeypatch.setattr("app.live.engine.turns.ASKED", 2)
+    monkeypatch.setattr("app.live.engine.pools.CORES", 2)
+    return counts
 
 
 @pytest.fixture(autouse=True)
@@ -102,7 +119,8 @@ class Pair:
             offer(self.manager.pooled, self.pooled, data, int(random.integers(1 << 32)), at_s)
             left -= 1
             if left == 0:
-                self.manager.pooled.turn()
+                # It ends with whoever looks at a session next.
+                self.manager.pooled.begin()
                 left = int(random.choice([1, 1, 2, 7]))
         self.manager.pooled.turn()
 
@@ -183,9 +201,10 @@ async def compared(manager: LiveManager, world: Any, engine: Engine, seeds: rang
     return manager.pooled.ordinary, manager.pooled.rare
 
 
-def test_twenty_streams(manager: LiveManager, world: Any, engine: Engine) -> None:
+def test_twenty_streams(manager: LiveManager, world: Any, engine: Engine, by_thread: list[int]) -> None:
     ordinary, rare = asyncio.run(compared(manager, world, engine, range(20)))
     assert ordinary > rare
+    assert sum(by_thread) > 0.4 * ordinary
 
 
 def test_a_long_packet_off_the_grid_harms_nobody(manager: LiveManager, world: Any, engine: Engine) -> None:

@@ -13,50 +13,26 @@ import pytest
 from sqlalchemy import Engine
 
 from app.live.engine import turns
-from app.live.engine.pools import SessionPool
 from app.live.engine.step_thread import StepThread
 from app.live.manager import LiveManager
-from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
-from tests.app.live.engine.test_both_ways import (
-    ARM,
-    SECONDS,
-    Pair,
-    manager,
-    no_checks,
-    pair_of,
-    shows_all,
-)
-from tests.app.live.live_load import remember, swaying
+from tests.app.live.engine.both_ways import offer
+from tests.app.live.engine.test_both_ways import Pair, by_thread, manager, no_checks, shows_all
+from tests.app.live.engine.test_late_turns import begun as begun_with_first
 
-__all__ = ["manager", "no_checks", "shows_all"]
-
-PLAIN = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
+__all__ = ["by_thread", "manager", "no_checks", "shows_all"]
 
 
 @pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+def asked(by_thread: list[int], monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Let a thread take every packet; how many it was asked for each time."""
-    counts: list[int] = []
-    ask = SessionPool.ask
-
-    def noted(pool: SessionPool, journal: int) -> None:
-        counts.append(pool._count)
-        ask(pool, journal)
-
     monkeypatch.setattr(turns, "ASKED", 1)
-    monkeypatch.setattr("app.live.engine.pools.CORES", 2)
-    monkeypatch.setattr(SessionPool, "ask", noted)
-    return counts
+    return by_thread
 
 
 async def begun(manager: LiveManager, world: Any, engine: Engine) -> tuple[Pair, list[bytes]]:
-    """A pair of sessions, of which both have their first packet and stand in a pool."""
-    calibration, whole = swaying(SECONDS)
-    remember(engine, world.patient_id, calibration)
-    stream = worn(whole, ARM)
-    pair = await pair_of(manager, world, stream)
-    packets = packets_of(stream, PLAIN, np.random.default_rng(0))
-    pair.give(packets[:2], np.random.default_rng(0))
+    """Two sessions of a plain stream that stand in a pool, and what comes next."""
+    pair, packets = await begun_with_first(manager, world, engine)
+    pair.give(packets[1:2], np.random.default_rng(0))
     return pair, packets[2:]
 
 
