@@ -12,7 +12,7 @@ from sqlalchemy import Engine
 from app.live import repository
 from app.live.bus import MemoryBus
 from app.live.checks.plausibility import check
-from app.live.session.opening import Opener
+from app.live.session.opening import Opener, Place
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.network.packet import Packet, decode_packet, encode_packet
@@ -67,7 +67,7 @@ class Service:
 
         self._writer = GroupCommitWriter(self.engine)
         self._writer.start()
-        opener = Opener(self.engine, self._writer, MemoryBus(), "north", check)  # type: ignore[arg-type]
+        opener = Opener(self.engine, self._writer, MemoryBus(), Place("north"), check)  # type: ignore[arg-type]
         self.session = await opener.open(self.session_id, NETWORK, prepared)
         # Every check that is due comes, whatever other sessions of this process cost.
         self.session._first_seconds._turns = None
