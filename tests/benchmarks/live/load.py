@@ -94,6 +94,18 @@ class Opened:
         self.ids.append(session.id)
         self.sockets += [gateway, dashboard]
 
+    def wait(self, seconds: float) -> None:
+        """Let time pass without losing those that are connected."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self.answer_pings()
+            time.sleep(min(left, 1.0))
+
+    def answer_pings(self) -> None:
+        """Answer the pings that came to any socket."""
+        for one in self.sockets:
+            one.answer_pings()
+
 
 def connect_one(port: int, session: Created, number: int, ticket: str) -> tuple[Socket, Socket] | Refusal:
     """Connect a session's gateway and, when it is admitted, the dashboard."""
@@ -114,8 +126,7 @@ def open_all(port: int, patient_id: str, parts: Sequence[tuple[Part, int]]) -> O
             some = min(CREATED_TOGETHER, count - first)
             made = asyncio.run(create(port, patient_id, [(part, some)]))
             connect(port, made, opened, time.monotonic() + (0.0 if opened.refusals else PATIENCE_S))
-            for one in opened.sockets:
-                one.answer_pings()
+            opened.answer_pings()
     return opened
 
 
@@ -125,7 +136,7 @@ def connect(port: int, sessions: Sequence[Created], opened: Opened, deadline: fl
         ticket = one.ingest
         found = connect_one(port, one, len(opened.ids), ticket)
         while isinstance(found, Refusal) and time.monotonic() + found.retry_after_s < deadline:
-            time.sleep(found.retry_after_s)
+            opened.wait(found.retry_after_s)
             ticket = asyncio.run(new_ticket(port, one.id))
             found = connect_one(port, one, len(opened.ids), ticket)
         if isinstance(found, Refusal):
