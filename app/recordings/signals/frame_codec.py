@@ -126,7 +126,9 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
         if part.point_sigma_m is not None and not has_point_sigma:
             has_point_sigma = bool(np.isfinite(part.point_sigma_m).any())
     columns = columns_of(first.layout, has_sigma, has_point_sigma)
-    table = np.empty((ticks, len(columns.kinds)))
+    lead = -first.first_tick % stride
+    stored = [slice(-part.first_tick % stride, None, stride) for part in parts]
+    table = np.empty((-(-(ticks - lead) // stride), len(columns.kinds)))
     for name, (place, shape) in columns.parts.items():
         values = list(map(_FIELDS[name], parts))
         if name in ("segment_sigma_rad", "point_sigma_m"):
@@ -134,14 +136,14 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
                 np.full((len(part.segment_flags), *shape), np.nan) if value is None else value
                 for part, value in zip(parts, values, strict=True)
             ]
-        np.concatenate(values, out=table[:, place].reshape(ticks, *shape))
+        if stride > 1:
+            values = [value[rows] for value, rows in zip(values, stored, strict=True)]
+        np.concatenate(values, out=table[:, place].reshape(-1, *shape))
     segments = len(first.layout.segments)
     flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
     np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])
     np.concatenate(list(map(_FLAGS[1], parts)), out=flags[:, segments:])
-    lead = -first.first_tick % stride
     if stride > 1:
-        table = table[lead::stride].copy()
         flags = np.bitwise_or.reduceat(flags, [0, *range(lead + stride, ticks, stride)], axis=0)
     words = np.empty(room_words(len(table), table.shape[1] + flags.shape[1]), np.uint32)
     used = kernel.pack_frames(words, table, table.view(np.uint64), columns.kinds, columns.pairs, flags)
