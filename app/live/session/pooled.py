@@ -145,11 +145,11 @@ class PooledSession(CalibratedSession):
     def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
         """Store and count packets that are not back-filled and were placed in order."""
         parts = self.now
-        self._last_arrival_s = taken[-1][ARRIVAL_S]
+        came_s, self._last_arrival_s = taken[0][ARRIVAL_S], taken[-1][ARRIVAL_S]
         for run in runs:
             with contextlib.suppress(Conflict, Unavailable):
                 # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
-                self.duplicates += len(run.messages) - self._writer.append_run(self.id, run)
+                self.duplicates += len(run.messages) - self._writer.append_run(self.id, run, came_s)
                 parts.ledger.received.add_range(run.first_sequence, run.stop_sequence)
         arrived = [((row[TIME_US] + row[DURATION_US]) * 1e-6, arrival_s) for row, _, arrival_s, _ in taken]
         parts.health.add_packets(arrived)

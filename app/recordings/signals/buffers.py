@@ -83,7 +83,7 @@ class OpenSession:
     seen, durable : SequenceRanges
         Packets stored or waiting, and packets committed.
     oldest_s : float or None
-        Monotonic time of the first item that waits.
+        Monotonic time at which the first item that waits came.
     repeat : Batch or None
         A batch whose commit failed; it goes first, unchanged, not before `repeat_at_s`.
     head_start_s : float
@@ -129,25 +129,26 @@ class OpenSession:
         self.packets.append(packet)
         self.size += size
         if self.oldest_s is None:
-            self._begin()
+            self._begin(time.monotonic())
 
-    def add_run(self, run: PacketRun, size: int) -> None:
-        """Take a run of packets of `size` bytes."""
+    def add_run(self, run: PacketRun, size: int, came_s: float) -> None:
+        """Take a run of packets of `size` bytes, of which the first came at a monotonic time."""
         self.seen.add_range(run.first_sequence, run.stop_sequence)
         self.packets.append(run)
         self.size += size
         if self.oldest_s is None:
-            self._begin()
+            self._begin(came_s)
 
     def add_frames(self, result_id: str, frames: Frames, size: int) -> None:
         """Take frames of `size` bytes."""
         self.frame_parts.append((result_id, frames))
         self.size += size
         if self.oldest_s is None:
-            self._begin()
+            self._begin(time.monotonic())
 
-    def _begin(self) -> None:
-        self.oldest_s, self.head_start_s = time.monotonic() - self.head_start_s, 0.0
+    def _begin(self, came_s: float) -> None:
+        # Arrivals that another machine noted may lie in the future: then nothing would be due.
+        self.oldest_s, self.head_start_s = min(came_s, time.monotonic()) - self.head_start_s, 0.0
 
     def is_due(self, now_s: float, chunk_s: float, *, everything: bool) -> bool:
         """Whether the next commit should take from this session."""

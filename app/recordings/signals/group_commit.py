@@ -55,7 +55,7 @@ logger = logging.getLogger(__name__)
 
 COMMIT_INTERVAL_S: Final = 0.1
 CHUNK_S: Final = 1.0
-COMMIT_BYTES: Final = 8 * 1024 * 1024
+COMMIT_BYTES: Final = 32 * 1024 * 1024
 QUEUE_BYTES: Final = 256 * 1024 * 1024
 SESSION_BYTES: Final = 32 * 1024 * 1024
 _LONGEST_PAUSE_S: Final = 5.0
@@ -190,15 +190,18 @@ class GroupCommitWriter:
             self._count_queued(size)
             return True
 
-    def append_run(self, session_id: str, run: PacketRun) -> int:
-        """Take packets that came one after the other; return how many are new. Raises as `append_packet`."""
+    def append_run(self, session_id: str, run: PacketRun, came_s: float) -> int:
+        """Take packets that came one after the other, the first at a monotonic time; return how many are new.
+
+        Raises as `append_packet`.
+        """
         size = run.size + 128 * len(run.messages)
         with self._mutex:
             session = self._open(session_id)
             if run.first_sequence <= session.seen.highest:
                 return sum([self.append_packet(session_id, packet) for packet in run.packets()])
             self._make_sure_there_is_room(session, size)
-            session.add_run(run, size)
+            session.add_run(run, size, came_s)
             self._count_queued(size)
             return len(run.messages)
 

@@ -1,5 +1,6 @@
 """Packets that came one after the other are stored as the same bytes as the same packets given one by one."""
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +13,7 @@ from app.network.packet_run import PacketRun, runs_of
 from app.network.raw_packet import RawPacket
 from app.recordings.signals.buffers import Batch
 from app.recordings.signals.chunks import encode_packets, encode_runs
-from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.group_commit import CHUNK_S, GroupCommitWriter
 from app.recordings.signals.store import read_packets
 from estimators.channels import Channel
 
@@ -75,8 +76,8 @@ def test_a_run_that_overlaps_what_is_here_adds_only_the_rest(
     try:
         writer.open_session(session_id)
         sent = messages(6)
-        assert writer.append_run(session_id, PacketRun(0, sent[:4], arrivals(4))) == 4
-        assert writer.append_run(session_id, PacketRun(2, sent[2:], arrivals(4))) == 2
+        assert writer.append_run(session_id, PacketRun(0, sent[:4], arrivals(4)), time.monotonic()) == 4
+        assert writer.append_run(session_id, PacketRun(2, sent[2:], arrivals(4)), time.monotonic()) == 2
         durable = writer.flush(session_id).result(20)
         assert list(durable) == [(0, 6)]
         assert [one.sequence for one in read_packets(engine, session_id)] == list(range(6))
@@ -84,3 +85,16 @@ def test_a_run_that_overlaps_what_is_here_adds_only_the_rest(
         assert writer.metrics.packets_duplicate == 2
     finally:
         writer.close()
+
+
+def test_a_run_is_due_when_its_first_packet_is_old_enough(
+    engine: Engine, new_session: Callable[..., str]
+) -> None:
+    session_id = new_session()
+    writer = GroupCommitWriter(engine)
+    writer.open_session(session_id)
+    open_session = writer._sessions[session_id]
+    open_session.head_start_s = 0.0
+    writer.append_run(session_id, PacketRun(0, messages(4), arrivals(4)), time.monotonic() - 0.9 * CHUNK_S)
+    assert not open_session.is_due(time.monotonic(), CHUNK_S, everything=False)
+    assert open_session.is_due(time.monotonic() + 0.11 * CHUNK_S, CHUNK_S, everything=False)
