@@ -6,6 +6,7 @@ and estimates what the request names, and answers at another pipe, which the eve
 reads and writes sockets.
 """
 
+import ctypes
 import os
 import select
 import threading
@@ -29,6 +30,8 @@ COUNT, JOURNAL, FRAME_ROWS, REQUESTS, ANSWERS = range(5)
 """Places of what a request says: packets, which journal holds them, rows of frames a session has; and of the pipes."""
 Take = Callable[[NDArray[np.int64], NDArray[np.uint8]], None]
 """Takes what is asked for, as `take_arms` does with a pool's arrays."""
+_libc: Final = ctypes.PyDLL(None)
+"""Whose calls hold the interpreter's lock: who gives it back for a byte waits a switch interval to have it again."""
 _read: Final = types.ExternalFunction("read", types.intp(types.int32, types.voidptr, types.uintp))
 _write: Final = types.ExternalFunction("write", types.intp(types.int32, types.voidptr, types.uintp))
 
@@ -123,8 +126,10 @@ class StepThread:
         self.answers, answering = os.pipe()
         """File descriptor that can be read once there is an answer."""
         self._request = np.array([0, 0, 0, requests, answering])
+        os.set_blocking(self.answers, False)
         self._poll = select.poll()
         self._poll.register(self.answers, select.POLLIN)
+        self._byte = ctypes.create_string_buffer(b"\1", 1)
         self._errors: list[Exception] = []
         # The thread holds arrays, never the pool: where a pool is forgotten the pipes are closed, and its thread ends.
         self._close_asking, self._close_answers = (
@@ -139,13 +144,12 @@ class StepThread:
     def ask(self, count: int, journal: int, frame_rows: int) -> None:
         """Let the first `count` items be taken from a journal (0 or 1)."""
         self._request[:REQUESTS] = count, journal, frame_rows
-        os.write(self._asking, b"\1")
+        _libc.write(self._asking, self._byte, 1)
 
     def wait(self) -> None:
         """Wait for the answer, without the interpreter's lock; raises what the compiled code raised."""
-        # An event loop that watches the pipe makes reading it return at once.
-        self._poll.poll()
-        os.read(self.answers, 1)
+        while _libc.read(self.answers, self._byte, 1) != 1:
+            self._poll.poll()
         if self._errors:
             raise self._errors.pop()
 
