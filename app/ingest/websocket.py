@@ -42,7 +42,7 @@ from app.schemas import Schema
 from app.sentences import say
 
 HELLO_TIMEOUT_S = 10.0
-ACKNOWLEDGE_EVERY_S = 0.4
+ACKNOWLEDGE_EVERY_S = 0.5
 MAX_TEXT_BYTES = 256 * 1024
 ERRORS_A_SECOND = 20
 """Error messages sent; further errors of that second are counted only."""

@@ -13,8 +13,8 @@ from app.sentences import say
 logger = logging.getLogger(__name__)
 
 PERIOD_S: Final = 0.25
-SETTLE_EVERY_TURNS: Final = 2
-HEALTH_EVERY_TURNS: Final = 4
+THOROUGH_EVERY_TURNS: Final = 4
+"""Turns after which a session is settled and its health is published; in the others it is only looked at."""
 LINK_LOST_AFTER_S: Final = 2.0
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
@@ -79,21 +79,23 @@ class Housekeeping:
             await asyncio.sleep(PERIOD_S)
             turn += 1
             for number, session in enumerate(self._sessions()):
+                is_thorough = (turn + number) % THOROUGH_EVERY_TURNS == 0
                 try:
-                    self._look_after(session, turn + number)
+                    self._look_after(session, is_thorough)
                 except Exception:
                     # Those behind it are settled and closed all the same.
                     logger.exception("looking after session %s failed", session.id)
-                # Packets come first: all sessions together would hold them up for tens of milliseconds.
-                await asyncio.sleep(0)
+                if is_thorough:
+                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
+                    await asyncio.sleep(0)
             try:
                 self._close_abandoned()
             except Exception:
                 logger.exception("closing sessions whose gateways did not come back failed")
 
-    def _look_after(self, session: LiveSession, turn: int) -> None:
-        if turn % SETTLE_EVERY_TURNS == 0:
-            # What follows sees the session as it was last settled: twice a second is often enough.
+    def _look_after(self, session: LiveSession, is_thorough: bool) -> None:
+        if is_thorough:
+            # What follows sees the session as it was last settled: once a second is often enough.
             session.settle()
         silence_s = 0.0 if self.is_behind() else time.monotonic() - session.last_arrival_s
         ledger = session.now.ledger
@@ -103,7 +105,7 @@ class Housekeeping:
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
             session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
         session.is_being_stored()
-        if turn % HEALTH_EVERY_TURNS == 0:
+        if is_thorough:
             session.publish_health()
         if session.state not in OPEN:
             return

@@ -22,7 +22,7 @@ from app.schemas import Schema
 Answer = TypeVar("Answer")
 CHECK_EVERY_S: Final = 5.0
 CHECK_AT_LEAST_EVERY_S: Final = 30.0
-CHECKS_SHARE: Final = 0.03
+CHECKS_SHARE: Final = 0.02
 """Of a processor, for checks of rights of all open sockets."""
 
 

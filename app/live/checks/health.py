@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ _WINDOW_S = 1.0
 _LATENCIES = 200
 _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
+JITTER_STEP_MS: Final = 1.0
+"""Jitter is shown anew once it is further from what was shown: it moves a little with every packet."""
 
 
 @dataclass
@@ -62,6 +65,7 @@ class LinkHealth:
         self._is_lost = np.zeros(len(placements), dtype=np.bool_)
         self._transit_s: float | None = None
         self._jitter_s = 0.0
+        self._jitter_ms = 0.0
         self._has_gaps = False
         self._segments: Sequence[str] = ()
         self._segment_flags: NDArray[np.uint8] | None = None
@@ -149,16 +153,17 @@ class LinkHealth:
         return round(1e3 * median, 3), round(1e3 * high, 3)
 
     def sensors(self, link_is_up: bool) -> list[SensorHealth]:
-        """Return the health of every sensor; the same list while nothing has changed. Jitter to half a millisecond."""
+        """Return the health of every sensor; the same list while nothing has changed."""
         ticks = max(1, self._present.ticks + self._previous.ticks)
         loss = 100.0 * (self._present.lost + self._previous.lost) / ticks
         saturated = self._present.saturated | self._previous.saturated
         newest = [] if self._segment_flags is None else self._segment_flags[-1].tolist()
-        jitter_ms = round(2e3 * self._jitter_s) / 2
+        if abs(1e3 * self._jitter_s - self._jitter_ms) > JITTER_STEP_MS:
+            self._jitter_ms = round(2e3 * self._jitter_s) / 2
         each = tuple(
             zip(self.placements, loss.tolist(), saturated.tolist(), self._is_lost.tolist(), strict=True)
         )
-        key = (link_is_up, jitter_ms, self._segments, newest, each)
+        key = (link_is_up, self._jitter_ms, self._segments, newest, each)
         if key == self._shown[0]:
             return self._shown[1]
         flags_of = dict(zip(self._segments, newest, strict=True))
@@ -172,7 +177,7 @@ class LinkHealth:
                     placement=placement,
                     status="lost" if is_lost or not link_is_up else "noisy" if is_noisy else "ok",
                     loss_percent=round(percent, 2),
-                    jitter_ms=jitter_ms,
+                    jitter_ms=self._jitter_ms,
                     saturated=is_saturated,
                     magnetic_disturbance=flags & _DISTURBED != 0,
                     heading_trusted=flags & _NO_HEADING == 0,

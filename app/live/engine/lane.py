@@ -36,7 +36,7 @@ from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
-SETTLE_TICKS: Final = 62
+SETTLE_TICKS: Final = 160
 """A session whose frames take up more rows is settled before its next packet."""
 
 
