@@ -138,7 +138,7 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
             ]
         if stride > 1:
             values = [value[rows] for value, rows in zip(values, stored, strict=True)]
-        np.concatenate(values, out=table[:, place].reshape(-1, *shape))
+        np.concatenate(values, out=table[:, place].reshape(len(table), *shape))
     segments = len(first.layout.segments)
     flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
     np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])

@@ -163,3 +163,18 @@ def test_unknown_sigma_of_some_parts_stays_with_its_ticks() -> None:
     read = decode_frames(encode_frames(known, unknown, stride=STRIDE), LAYOUT)
     assert read.segment_sigma_rad is not None
     assert np.isfinite(read.segment_sigma_rad).all(axis=(1, 2)).tolist() == [True, True, False]
+
+
+def test_frames_of_a_body_without_points_and_angles_are_thinned() -> None:
+    layout = FrameLayout(("foot_right",), (), (), ("lean_rad",))
+    whole = frames(3, 20)
+    bare = replace(
+        whole,
+        layout=layout,
+        point_room_m=np.empty((20, 0, 3)),
+        angle_rad=np.empty((20, 0)),
+        angle_sigma_rad=np.empty((20, 0)),
+        angle_flags=np.empty((20, 0), np.uint8),
+    )
+    read = decode_frames(encode_frames(bare.ticks(0, 6), bare.ticks(6, 20), stride=STRIDE), layout)
+    assert np.allclose(read.scalar, whole.scalar[1::STRIDE], atol=2.0**-12)
