@@ -61,8 +61,9 @@ class Pool(Protocol):
     """How many it has room for."""
     columns: Columns
     """What `step` has written, in the rows that its stretches name."""
-    errors: dict[int, Exception]
-    """What the pipelines of some slots raised in the last step; nothing was written of these."""
+    errors: dict[int, tuple[int, Exception]]
+    """By slot whose pipeline raised in the last step: the stretch from which on nothing of it was written, and what it
+    raised."""
 
     def join(self, slot: int, pipeline: Pipeline) -> bool:
         """Let a pipeline go on over the rows of a slot; False when it cannot, as it stands now.
@@ -151,7 +152,7 @@ class StepPool:
     ) -> None:
         self.sessions = sessions
         self.columns = columns(rows, like.layout)
-        self.errors: dict[int, Exception] = {}
+        self.errors: dict[int, tuple[int, Exception]] = {}
         self._channels, self._sensors = channels, len(like.setup.placements)
         self._time_step_s = 1.0 / like.setup.rate_hz
         self._carried = dict(carried)
@@ -186,7 +187,9 @@ class StepPool:
     ) -> None:
         """Take the next ticks of some sessions; see `Pool.step`."""
         self.errors = {}
-        for slot, first_tick, ticks, signals_at, quality_at, tick_at in stretches[:count].tolist():
+        for number, (slot, first_tick, ticks, signals_at, quality_at, tick_at) in enumerate(
+            stretches[:count].tolist()
+        ):
             if not ticks or slot in self.errors:
                 continue
             samples = self._sensors * ticks
@@ -207,7 +210,7 @@ class StepPool:
             try:
                 frames = self._pipelines[slot].step(chunk)
             except Exception as error:
-                self.errors[slot] = error
+                self.errors[slot] = number, error
                 continue
             if tick_at % self._rows_each == 0:
                 self._made[slot] = {}

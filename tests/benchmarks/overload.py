@@ -295,7 +295,7 @@ def main() -> int:
     """Overload a service, then flood one."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "--most", type=int, default=500, help="sessions that come until the first is sent away"
+        "--most", type=int, default=1200, help="sessions that come until the first is sent away"
     )
     parser.add_argument(
         "--seconds", type=float, default=30.0, help="how long the overload, and the flood, last"

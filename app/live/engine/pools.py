@@ -176,8 +176,9 @@ class SessionPool:
     def rows(self) -> list[tuple[Any, ...]]:
         """Return what was found of them: values of `ITEM`."""
         items = self._items[: self._count]
-        for slot in self.kind.errors:
-            items["ticks"][items["slot"] == slot] = 0
+        for slot, (first, _) in self.kind.errors.items():
+            # What came before in the same call was estimated.
+            items["ticks"][first:][items["slot"][first:] == slot] = 0
         rows: list[tuple[Any, ...]] = items.tolist()
         return rows
 

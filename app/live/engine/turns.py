@@ -283,7 +283,7 @@ class PooledEngine:
                 # One session's fault must not reach the others of its turn.
                 logger.exception("a packet of session %s could not be taken", lane.session.id)
                 lane.session.line.stop(error)
-        for slot, raised in pool.kind.errors.items():
+        for slot, (_, raised) in pool.kind.errors.items():
             next(lane for _, lane in items if lane.slot == slot).session.line.stop(raised)
         self.ordinary += taken
         metrics.packets += taken

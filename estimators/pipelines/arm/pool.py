@@ -59,7 +59,7 @@ class ArmPool:
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
         self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)
         self.columns = columns(rows, self.layout)
-        self.errors: dict[int, Exception] = {}
+        self.errors: dict[int, tuple[int, Exception]] = {}
 
     @staticmethod
     def key(pipeline: Pipeline) -> Hashable | None:

@@ -4,6 +4,8 @@ import asyncio
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -185,11 +187,18 @@ def test_one_that_fails_leaves_its_neighbours_alone(manager: LiveManager, world:
         assert sound.lane is not None
         assert sound.lane.pool is broken.lane.pool  # type: ignore[union-attr]
 
-        def fail(_: Any) -> Any:
-            raise FloatingPointError("a filter lost its way")
+        sound_step, steps, shown = broken.pipeline.step, count(), []
+
+        def fail(chunk: Any) -> Any:
+            if next(steps):
+                raise FloatingPointError("a filter lost its way")
+            return sound_step(chunk)
 
         broken.pipeline.step = fail  # type: ignore[method-assign]
+        listener = SimpleNamespace(put=lambda _, block: shown.append(block) or True)
+        broken.channels["blocks"].listeners.append(listener)
         give(list(part.packets[40:80]))
+        assert len(shown) == 1, "what was estimated before, in the same turn, is shown"
         assert not broken.line.is_running
         assert broken.state == "failed"
         assert sound.line.is_running
