@@ -14,7 +14,8 @@ from fastapi import APIRouter, FastAPI
 from app import processes
 from app import tables as tables
 from app.accounts.credentials.passwords import Passwords
-from app.accounts.credentials.rate_limit import SignInLimits
+from app.accounts.credentials.rate_limit import Counting, LeakyCounter, SignInLimits
+from app.accounts.credentials.stored_limit import StoredCounter
 from app.accounts.endpoints import router as accounts_router
 from app.accounts.pairing import PairingBook
 from app.accounts.refusals import RefusedSignIns
@@ -215,9 +216,17 @@ async def open_services(
 
 
 async def open_foundation(
-    settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
+    settings: Settings,
+    stack: AsyncExitStack,
+    lock: WriterLock,
+    passwords: Passwords | None = None,
+    *,
+    is_one_of_many: bool = False,
 ) -> Services:
-    """Open what every process that serves requests needs: the database, and who may sign in; see `open_services`."""
+    """Open what every process that serves requests needs: the database, and who may sign in; see `open_services`.
+
+    One of many processes counts what failed in the database, with the others.
+    """
     await to_thread.run_sync(lock.take)
     stack.callback(lock.release)
     engine = database_engine.create(settings)
@@ -225,8 +234,11 @@ async def open_foundation(
     await to_thread.run_sync(require_newest, engine)
     services = Services(settings=settings, engine=engine)
     services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
-    services.add(SignInLimits())
-    services.add(PairingBook(settings))
+    counting: Counting = LeakyCounter
+    if is_one_of_many:
+        counting = partial(StoredCounter, engine=engine, settings=settings)
+    services.add(SignInLimits(counting=counting))
+    services.add(PairingBook(settings, counting=counting))
     refused = services.add(RefusedSignIns(engine, settings))
     stack.push_async_callback(partial(to_thread.run_sync, refused.close))
     services.add(DiskUse(engine, settings.clinic_disk_bytes))

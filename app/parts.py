@@ -67,7 +67,7 @@ async def open_edge(
     settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
 ) -> Services:
     """Open what an edge needs; see `app.main.open_services`."""
-    services = await open_foundation(settings, stack, lock, passwords)
+    services = await open_foundation(settings, stack, lock, passwords, is_one_of_many=True)
     name = process_name("edge")
     broker = services.add(await connect(settings, name))
     stack.push_async_callback(broker.close)
@@ -127,7 +127,7 @@ class _WorkerOpening:
     async def __call__(
         self, settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
     ) -> Services:
-        services = await open_foundation(settings, stack, lock, passwords)
+        services = await open_foundation(settings, stack, lock, passwords, is_one_of_many=True)
         fencing.install(services.engine)
         broker = services.add(await connect(settings, self._name))
         stack.push_async_callback(broker.close)

@@ -7,6 +7,7 @@ from sqlalchemy import (
     JSON,
     BigInteger,
     Boolean,
+    Double,
     ForeignKey,
     Index,
     Integer,
@@ -128,6 +129,16 @@ class PairingCode(Identified, Base):
     label: Mapped[str] = mapped_column(String(100))
     days: Mapped[int] = mapped_column(Integer)
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
+
+
+class AttemptCount(Base):
+    """How often something failed, counted by all edges; see `app.accounts.credentials.stored_limit`."""
+
+    __tablename__ = "attempt_count"
+
+    key_hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    empty_at: Mapped[float] = mapped_column(Double, index=True)
+    """Seconds since the epoch: when the level will be zero."""
 
 
 class Consent(Identified, Base):

@@ -7,8 +7,6 @@ who reads the table could try all 30^8 codes, but not without that key.
 import hmac
 import math
 import secrets
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Final
@@ -16,7 +14,7 @@ from typing import Final
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
-from app.accounts.credentials.rate_limit import LeakyCounter, Limit, network_of
+from app.accounts.credentials.rate_limit import Counting, LeakyCounter, Limit, network_of
 from app.accounts.credentials.tickets import account_subject
 from app.accounts.models import Account, PairingCode
 from app.accounts.schemas import DeviceTokenIn
@@ -53,19 +51,19 @@ class PairingBook:
     settings : Settings
         For the key of the hashes.
     per_address : Limit
-        Of wrong codes; counted in this process.
-    clock : callable
-        Monotonic seconds, for the limit.
+        Of wrong codes.
+    counting : Counting
+        Of them; by default in this process.
     """
 
     def __init__(
         self,
         settings: Settings,
         per_address: Limit = PER_ADDRESS,
-        clock: Callable[[], float] = time.monotonic,
+        counting: Counting = LeakyCounter,
     ) -> None:
         self._key = settings.key_for("pairing-code")
-        self._wrong = LeakyCounter(per_address, clock=clock)
+        self._wrong = counting(per_address)
 
     def offer(self, session: Session, offer: Offer) -> tuple[str, datetime]:
         """Return a new code and when it expires; the caller has checked the right to the patient.
@@ -105,7 +103,7 @@ class PairingBook:
         Parameters
         ----------
         session : Session
-            Writing; the code is used up when it commits.
+            Writing, nothing done yet; the code is used up when it commits.
         code : str
             As typed: small letters, blanks and dashes do not matter.
         address : str
@@ -118,7 +116,8 @@ class PairingBook:
         TooManyAttempts
             Too many wrong codes from this address.
         """
-        key = network_of(address)
+        key = f"pairing {network_of(address)}"
+        # Before the session has a connection: nobody holds two.
         wait_s = self._wrong.take(key)
         if wait_s > 0.0:
             seconds = math.ceil(wait_s)
@@ -134,7 +133,7 @@ class PairingBook:
         giver = None if row is None else session.get(Account, row.account_id)
         if row is None or giver is None or not giver.is_active:
             raise SignInRequired(say("device.code_refused"))
-        self._wrong.give_back(key)
+        self._wrong.give_back(key, session)
         return Offer(account_subject(giver), row.patient_id, DeviceTokenIn(label=row.label, days=row.days))
 
     def _hash(self, code: str) -> str:

@@ -54,8 +54,7 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
         Too many sign-ins wait already.
     """
     email = normalise_email(wanted.email)
-    known = await to_thread.run_sync(_known_browser, services, email, browser)
-    services.get(SignInLimits).attempt(email, address, known)
+    known = await to_thread.run_sync(_attempt, services, email, address, browser)
     account_id, password_hash = await to_thread.run_sync(_look_up, services, email)
     fits = await services.get(Passwords).verify_in_turn(password_hash, wanted.password)
     if not fits or account_id is None:
@@ -66,7 +65,7 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
     if has_second is False:
         services.get(RefusedSignIns).note(email)
         raise SignInRequired(say("sign_in.code_wrong"), field="code")
-    services.get(SignInLimits).succeeded(email, address, known)
+    await to_thread.run_sync(services.get(SignInLimits).succeeded, email, address, known)
     if has_second is None:
         raise CodeRequired(say("sign_in.code_needed"), field="code")
     if password_hash is not None and services.get(Passwords).needs_rehash(password_hash):
@@ -75,9 +74,12 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
     return account_id
 
 
-def _known_browser(services: Services, email: str, browser: str | None) -> str | None:
+def _attempt(services: Services, email: str, address: str, browser: str | None) -> str | None:
+    """Count an attempt; return the key of a browser that has signed in before."""
     with read_only(services.engine) as session:
-        return known_browser(session, email, browser)
+        known = known_browser(session, email, browser)
+    services.get(SignInLimits).attempt(email, address, known)
+    return known
 
 
 def _check_code(services: Services, account_id: str, code: str | None) -> bool | None:
@@ -151,14 +153,13 @@ async def _require_password(
     services: Services, current: FoundSignIn, password: str, address: str, field: str
 ) -> str | None:
     """Return the hash of the own password when it was typed rightly."""
-    email, password_hash = await to_thread.run_sync(_own_hash, services, current.subject.id)
     # Who is signed in has a budget apart from strangers.
     own = f"signed in {current.subject.id}"
-    services.get(SignInLimits).attempt(email, address, own)
+    email, password_hash = await to_thread.run_sync(_own_attempt, services, current.subject.id, address, own)
     if not await services.get(Passwords).verify_in_turn(password_hash, password):
         services.get(RefusedSignIns).note(email)
         raise InvalidInput(say("account.password_wrong"), field=field)
-    services.get(SignInLimits).succeeded(email, address, own)
+    await to_thread.run_sync(services.get(SignInLimits).succeeded, email, address, own)
     return password_hash
 
 
@@ -212,10 +213,12 @@ def _store_hash(services: Services, account_id: str, password_hash: str) -> None
         session.get_one(Account, account_id).password_hash = password_hash
 
 
-def _own_hash(services: Services, account_id: str) -> tuple[str, str | None]:
+def _own_attempt(services: Services, account_id: str, address: str, own: str) -> tuple[str, str | None]:
+    """Count an attempt at the own password; return address and hash."""
     with read_only(services.engine) as session:
         row = session.get_one(Account, account_id)
-        return row.email, row.password_hash
+    services.get(SignInLimits).attempt(row.email, address, own)
+    return row.email, row.password_hash
 
 
 def _replace_hash(

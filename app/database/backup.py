@@ -4,8 +4,8 @@ other).
 The file is a ZIP: `manifest.json` and one entry per table, its rows in the order of the primary key, each row
 a length (u32, little endian) and a MessagePack array. It is read in one consistent transaction while the
 service runs, checked after writing and then moved into place, so a file under its final name is always whole.
-Browser sessions, tickets and pairing codes are left out: an old backup must not sign anybody in. It holds
-everything else, so it is as confidential as the database; only its owner may read it.
+Browser sessions, tickets and pairing codes are left out: an old backup must not sign anybody in; so are counts of
+failed sign-ins. It holds everything else, so it is as confidential as the database; only its owner may read it.
 
 The manifest carries the head of each clinic's audit chain; with a manifest stored elsewhere a cut or rewritten
 chain shows (`app.accounts.audit.verify`).
@@ -43,7 +43,7 @@ from app.errors import Conflict, RecordingFormatError
 
 FORMAT = "telemotion-backup"
 FORMAT_VERSION = 1
-LEFT_OUT = frozenset({"sign_in", "ticket", "pairing_code", "alembic_version"})
+LEFT_OUT = frozenset({"sign_in", "ticket", "pairing_code", "attempt_count", "alembic_version"})
 _ROWS_AT_ONCE = 500
 _ROW_LIMIT_BYTES = 1 << 30
 _NOT_A_BACKUP = "This is not a whole backup of this service; take another one."

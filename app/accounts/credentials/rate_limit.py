@@ -1,4 +1,5 @@
-"""Limits on failed sign-ins, per address and per account, in bounded memory.
+"""Limits on failed sign-ins, per address and per account, in bounded memory; many edges count in the database instead
+(`app.accounts.credentials.stored_limit`).
 
 A browser that has signed in to the account before has a budget of its own (`app.accounts.credentials.browsers`), so
 that the failures of strangers, however many, do not lock its owner out; a stranger cannot have that budget.
@@ -16,6 +17,9 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
+
+from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tokens import hash_token
 from app.errors import TooManyAttempts
@@ -41,6 +45,20 @@ class Limit:
 PER_ACCOUNT = Limit(capacity=8, recovery_s=60.0)
 PER_ADDRESS = Limit(capacity=30, recovery_s=20.0)
 """Wider: a whole clinic may share one address."""
+
+
+class Counter(Protocol):
+    """Counts attempts per key; both may block."""
+
+    def take(self, key: str) -> float:
+        """Count an attempt; see `LeakyCounter.take`."""
+
+    def give_back(self, key: str, session: Session | None = None) -> None:
+        """Take one counted attempt back, where it is counted in the database in the transaction of a session."""
+
+
+Counting = Callable[[Limit], Counter]
+"""Makes a counter. All that are made may share their keys."""
 
 
 class LeakyCounter:
@@ -86,12 +104,14 @@ class LeakyCounter:
             self._set(key, level + 1.0)
             return 0.0
 
-    def give_back(self, key: str) -> None:
+    def give_back(self, key: str, session: Session | None = None) -> None:
         """Take one counted attempt back.
 
         Parameters
         ----------
         key : str
+        session : Session, optional
+            Of no use here.
         """
         with self._lock:
             self._set(key, self._level(key) - 1.0)
@@ -117,21 +137,21 @@ class SignInLimits:
     ----------
     per_account, per_address : Limit
         `per_account` holds for all strangers together, and for each known browser.
-    clock : callable
-        Monotonic seconds.
+    counting : Counting
+        By default in this process.
     """
 
     def __init__(
         self,
         per_account: Limit = PER_ACCOUNT,
         per_address: Limit = PER_ADDRESS,
-        clock: Callable[[], float] = time.monotonic,
+        counting: Counting = LeakyCounter,
     ) -> None:
-        self._accounts = LeakyCounter(per_account, clock=clock)
-        self._addresses = LeakyCounter(per_address, clock=clock)
+        self._accounts = counting(per_account)
+        self._addresses = counting(per_address)
 
     def attempt(self, email: str, address: str, browser: str | None = None) -> None:
-        """Count an attempt before its password is checked.
+        """Count an attempt before its password is checked; may block.
 
         Parameters
         ----------
@@ -157,7 +177,7 @@ class SignInLimits:
                 raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
 
     def succeeded(self, email: str, address: str, browser: str | None = None) -> None:
-        """Take the attempt back: only failures count.
+        """Take the attempt back: only failures count; may block.
 
         Parameters
         ----------
@@ -167,7 +187,7 @@ class SignInLimits:
         for counter, key in self._counters(email, address, browser):
             counter.give_back(key)
 
-    def _counters(self, email: str, address: str, browser: str | None) -> list[tuple[LeakyCounter, str]]:
+    def _counters(self, email: str, address: str, browser: str | None) -> list[tuple[Counter, str]]:
         account = hash_token(email)
         if browser is not None:
             # Not by address either: a stranger may sit in the same house.

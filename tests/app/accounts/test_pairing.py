@@ -1,9 +1,12 @@
 """Pairing codes: one use, minutes, one patient, and no guessing."""
 
+from functools import partial
+
 import pytest
 from sqlalchemy import select, update
 
-from app.accounts.credentials.rate_limit import Limit
+from app.accounts.credentials.rate_limit import LeakyCounter, Limit
+from app.accounts.credentials.stored_limit import StoredCounter
 from app.accounts.credentials.tickets import account_subject
 from app.accounts.models import Account, PairingCode
 from app.accounts.pairing import ALPHABET, LENGTH, LIFE, PER_PATIENT, Offer, PairingBook
@@ -76,7 +79,8 @@ def test_the_oldest_codes_of_a_patient_make_room(engine, settings, offer):
 
 
 def test_an_address_that_guesses_is_stopped_and_no_other(engine, settings, offer):
-    book = PairingBook(settings, per_address=Limit(capacity=3, recovery_s=60.0), clock=lambda: 5.0)
+    limit = Limit(capacity=3, recovery_s=60.0)
+    book = PairingBook(settings, limit, partial(LeakyCounter, clock=lambda: 5.0))
     code = given(engine, book, offer)
     for _ in range(3):
         with pytest.raises(SignInRequired):
@@ -84,6 +88,21 @@ def test_an_address_that_guesses_is_stopped_and_no_other(engine, settings, offer
     with pytest.raises(TooManyAttempts):
         taken(engine, book, code)
     assert taken(engine, book, code, "10.0.0.2") == offer
+
+
+def test_wrong_codes_count_at_every_edge_and_a_right_one_does_not(engine, settings, offer):
+    counting = partial(StoredCounter, engine=engine, settings=settings, clock=lambda: 5.0)
+    edges = [PairingBook(settings, Limit(capacity=3, recovery_s=60.0), counting) for _ in range(2)]
+    for number in range(10):
+        assert taken(engine, edges[number % 2], given(engine, edges[0], offer)) == offer
+    for edge in (edges[0], edges[1], edges[0]):
+        with pytest.raises(SignInRequired):
+            taken(engine, edge, "22222222")
+    code = given(engine, edges[0], offer)
+    for edge in edges:
+        with pytest.raises(TooManyAttempts):
+            taken(engine, edge, code)
+    assert taken(engine, edges[1], code, "10.0.0.2") == offer
 
 
 def test_a_gateway_gets_a_token_of_this_patient(patient, new_client, world):

@@ -1,9 +1,16 @@
-"""Limits on failed sign-ins."""
+"""Limits on failed sign-ins, counted in a process and, for many edges, in the database."""
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import pytest
+from sqlalchemy import func, select
 
 from app.accounts.credentials.rate_limit import PER_ACCOUNT, PER_ADDRESS, LeakyCounter, Limit, SignInLimits
-from app.accounts.models import Account
+from app.accounts.credentials.stored_limit import CLEANED_EVERY_S, StoredCounter
+from app.accounts.models import Account, AttemptCount
+from app.database import migrate
+from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only
 from app.errors import TooManyAttempts
 
@@ -18,9 +25,32 @@ class Clock:
         return self.now
 
 
-def test_levels_fill_leak_and_tell_when_to_come_back():
+IN_DATABASES = ["sqlite", pytest.param("postgresql", marks=pytest.mark.postgres)]
+
+
+@pytest.fixture
+def counting(request, settings):
+    """What makes counters, by the kind that the test names."""
+    if request.param == "process":
+        yield LeakyCounter
+        return
+    url = settings.database_url
+    if request.param == "postgresql":
+        url = request.getfixturevalue("postgresql_database")()
+        migrate.upgrade(url)
+    engine = create_from_url(url)
+    yield partial(StoredCounter, engine=engine, settings=settings)
+    engine.dispose()
+
+
+everywhere = pytest.mark.parametrize("counting", ["process", *IN_DATABASES], indirect=True)
+in_databases = pytest.mark.parametrize("counting", IN_DATABASES, indirect=True)
+
+
+@everywhere
+def test_levels_fill_leak_and_tell_when_to_come_back(counting):
     clock = Clock()
-    counter = LeakyCounter(Limit(capacity=3, recovery_s=10.0), clock=clock)
+    counter = counting(Limit(capacity=3, recovery_s=10.0), clock=clock)
     assert [counter.take("a") for _ in range(3)] == [0.0, 0.0, 0.0]
     assert counter.take("a") == pytest.approx(10.0)
     assert counter.take("a") == pytest.approx(10.0), "a refused attempt does not make it worse"
@@ -42,8 +72,46 @@ def test_memory_is_bounded_and_the_quiet_are_forgotten_first():
     assert counter.take("0") == 0.0
 
 
-def test_success_takes_its_attempt_back():
-    limits = SignInLimits(Limit(2, 1e6), Limit(100, 1e6), clock=Clock())
+@in_databases
+def test_edges_count_together_also_at_once_and_what_is_over_is_deleted(counting):
+    clock = Clock()
+    edges = [counting(Limit(capacity=8, recovery_s=10.0), clock=clock) for _ in range(2)]
+    with ThreadPoolExecutor(8) as threads:
+        waits = list(threads.map(lambda number: edges[number % 2].take("a"), range(40)))
+    assert waits.count(0.0) == 8
+    assert min(wait for wait in waits if wait) == pytest.approx(10.0)
+    edges[0].give_back("a")
+    assert edges[1].take("a") == 0.0
+    assert edges[0].take("a") == pytest.approx(10.0)
+    engine = counting.keywords["engine"]
+    with read_only(engine) as session:
+        assert session.scalars(select(AttemptCount.key_hash)).one() != "a", "only a hash is stored"
+    clock.now += 80.0 + CLEANED_EVERY_S
+    assert edges[1].take("b") == 0.0
+    with read_only(engine) as session:
+        assert session.scalar(select(func.count()).select_from(AttemptCount)) == 1
+
+
+@in_databases
+def test_failed_sign_ins_count_at_every_edge(counting):
+    edges = [SignInLimits(Limit(4, 1e6), Limit(6, 1e6), partial(counting, clock=Clock())) for _ in range(2)]
+    for number in range(4):
+        edges[number % 2].attempt("a@b", "10.0.0.1")
+    for edge in edges:
+        with pytest.raises(TooManyAttempts):
+            edge.attempt("a@b", "10.0.0.2")
+    edges[0].attempt("a@b", "10.0.0.2", "a browser that is known")
+    for number in range(2):
+        edges[number].attempt(f"{number}@c", "10.0.0.1")
+    with pytest.raises(TooManyAttempts):
+        edges[0].attempt("another@c", "10.0.0.1")
+    edges[1].succeeded("1@c", "10.0.0.1")
+    edges[0].attempt("another@c", "10.0.0.1")
+
+
+@everywhere
+def test_success_takes_its_attempt_back(counting):
+    limits = SignInLimits(Limit(2, 1e6), Limit(100, 1e6), partial(counting, clock=Clock()))
     for _ in range(50):
         limits.attempt("a@b", "10.0.0.1")
         limits.succeeded("a@b", "10.0.0.1")
@@ -54,7 +122,7 @@ def test_success_takes_its_attempt_back():
 
 
 def test_one_household_is_one_address():
-    limits = SignInLimits(Limit(1000, 1e6), Limit(2, 1e6), clock=Clock())
+    limits = SignInLimits(Limit(1000, 1e6), Limit(2, 1e6), partial(LeakyCounter, clock=Clock()))
     limits.attempt("a@b", "2001:db8:1:2::1")
     limits.attempt("b@b", "2001:db8:1:2:ffff::1")
     with pytest.raises(TooManyAttempts):
