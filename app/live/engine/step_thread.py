@@ -31,6 +31,8 @@ COUNT, JOURNAL, FRAME_ROWS, REQUESTS, ANSWERS = range(5)
 Take = Callable[[NDArray[np.int64], NDArray[np.uint8]], None]
 """Takes what is asked for, as `take_arms` does with a pool's arrays."""
 _libc: Final = ctypes.PyDLL(None)
+_libc.read.argtypes = _libc.write.argtypes = (ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t)
+_libc.read.restype = _libc.write.restype = ctypes.c_ssize_t
 """Whose calls hold the interpreter's lock: who gives it back for a byte waits a switch interval to have it again."""
 _read: Final = types.ExternalFunction("read", types.intp(types.int32, types.voidptr, types.uintp))
 _write: Final = types.ExternalFunction("write", types.intp(types.int32, types.voidptr, types.uintp))
@@ -144,14 +146,17 @@ class StepThread:
     def ask(self, count: int, journal: int, frame_rows: int) -> None:
         """Let the first `count` items be taken from a journal (0 or 1)."""
         self._request[:REQUESTS] = count, journal, frame_rows
-        _libc.write(self._asking, self._byte, 1)
+        if _libc.write(self._asking, self._byte, 1) != 1:
+            raise BrokenPipeError("a pool's thread has ended")
 
     def wait(self) -> None:
         """Wait for the answer, without the interpreter's lock; raises what the compiled code raised."""
-        while _libc.read(self.answers, self._byte, 1) != 1:
+        while (found := _libc.read(self.answers, self._byte, 1)) < 0:
             self._poll.poll()
         if self._errors:
             raise self._errors.pop()
+        if not found:
+            raise BrokenPipeError("a pool's thread has ended")
 
     def close(self) -> None:
         """Let the thread end; only while nothing is asked for."""

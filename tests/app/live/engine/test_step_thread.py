@@ -193,3 +193,14 @@ def test_a_thread_goes_on_after_a_failure_and_ends_when_it_is_forgotten() -> Non
     del thread
     gc.collect()
     assert ended(own)
+
+
+def test_a_thread_that_has_ended_is_not_waited_for() -> None:
+    before = threads()
+    thread = StepThread(lambda request, byte: None)
+    for own in threads() - before:
+        assert ended(own)
+    with pytest.raises(BrokenPipeError):
+        thread.ask(1, 0, 1)
+    with pytest.raises(BrokenPipeError):
+        thread.wait()
