@@ -24,6 +24,7 @@ from app.recordings.analysis.jobs import run_job
 from app.recordings.analysis.reprocess import reprocess as reprocess_task
 from app.recordings.models import MotionSession
 from app.recordings.schemas import ReprocessIn
+from app.scaled import backup as whole
 from app.settings import Settings
 
 MINIMUM_PASSWORD_LENGTH = 10
@@ -49,18 +50,21 @@ def _bring_up(settings: Settings, purpose: str) -> None:
 
 
 def backup(archive: Path) -> None:
-    """Write the whole database to a new file and read it back.
+    """Write the whole database to a new file and read it back; of a service on many machines its streams too.
 
     Raises
     ------
     Conflict
         The file exists.
+    InvalidInput
+        It is one of many machines, and NATS cannot be reached.
     """
     if archive.exists():
         raise Conflict(f"{archive} exists; name a new file")
-    engine = engines.create(Settings())
+    settings = Settings()
+    engine = engines.create(settings)
     try:
-        archives.backup(engine, archive)
+        whole.backup(engine, settings, archive)
     finally:
         engine.dispose()
     manifest = archives.verify(archive)
@@ -70,16 +74,18 @@ def backup(archive: Path) -> None:
 
 
 def restore(archive: Path) -> None:
-    """Fill an empty database from a backup.
+    """Fill an empty database from a backup; of one of many machines that had something in its streams, them too.
 
     Raises
     ------
     Conflict
-        A service runs on the database, or it is not empty.
+        A service runs on the database, or it is not empty; or what was in streams can only be read by workers.
+    InvalidInput
+        It is one of many machines, and NATS cannot be reached.
     """
-    url = Settings().database_url
-    with writer_lock(url, "telemotion restore"):
-        manifest = archives.restore(archive, url)
+    settings = Settings()
+    with writer_lock(settings.database_url, "telemotion restore"):
+        manifest = whole.restore(archive, settings)
     typer.echo(f"{sum(manifest.rows.values())} rows restored")
 
 

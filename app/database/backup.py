@@ -15,7 +15,7 @@ import hashlib
 import json
 import os
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, date, datetime
 from pathlib import Path
@@ -74,7 +74,11 @@ class Manifest:
     audit_heads: dict[str, tuple[int, str]]
 
 
-def backup(engine: Engine, path: Path) -> Manifest:
+More = Callable[[Connection], Mapping[str, Sequence[bytes]]]
+"""Returns what is not in the database, as rows by name, asked within the view of the database that is written."""
+
+
+def backup(engine: Engine, path: Path, more: More = lambda _: {}) -> Manifest:
     """Write everything to one file; the service may run meanwhile.
 
     Parameters
@@ -83,6 +87,8 @@ def backup(engine: Engine, path: Path) -> Manifest:
         Migrated.
     path : Path
         Replaced when it exists.
+    more : More, optional
+        What belongs to it besides; read it with `rows_of`.
 
     Returns
     -------
@@ -98,7 +104,7 @@ def backup(engine: Engine, path: Path) -> Manifest:
     try:
         with os.fdopen(descriptor, "wb") as file:
             with _snapshot(engine) as connection, zipfile.ZipFile(file, "w", allowZip64=True) as archive:
-                manifest = _write(connection, archive, revision)
+                manifest = _write(connection, archive, revision, more(connection))
             file.flush()
             os.fsync(file.fileno())
         verify(unfinished)
@@ -171,6 +177,19 @@ def restore(path: Path, url: str) -> Manifest:
     return manifest
 
 
+def rows_of(path: Path, name: str) -> Iterator[bytes]:
+    """Yield the rows of one table, or of what was written besides.
+
+    Parameters
+    ----------
+    path : Path
+        Of a backup that was found whole.
+    name : str
+    """
+    with zipfile.ZipFile(path) as archive, archive.open(_entry(name)) as stream:
+        yield from _rows(stream)
+
+
 class _snapshot:  # noqa: N801 - used like a function
     """One consistent view of the whole database."""
 
@@ -187,23 +206,19 @@ class _snapshot:  # noqa: N801 - used like a function
         self._connection.__exit__(*error)
 
 
-def _write(connection: Connection, archive: zipfile.ZipFile, revision: str) -> Manifest:
+def _write(
+    connection: Connection, archive: zipfile.ZipFile, revision: str, more: Mapping[str, Sequence[bytes]]
+) -> Manifest:
     rows: dict[str, int] = {}
     digests: dict[str, str] = {}
     tables = _tables(connection)
     for table in tables:
         # Signals are compressed already.
         has_blobs = any(isinstance(column.type, LargeBinary) for column in table.columns)
-        entry = zipfile.ZipInfo(_entry(table.name), date_time=(1980, 1, 1, 0, 0, 0))
-        entry.compress_type = zipfile.ZIP_STORED if has_blobs else zipfile.ZIP_DEFLATED
-        digest, count = hashlib.sha256(), 0
-        with archive.open(entry, "w", force_zip64=True) as stream:
-            for row in _encoded_rows(connection, table):
-                stream.write(len(row).to_bytes(4, "little"))
-                stream.write(row)
-                digest.update(row)
-                count += 1
-        rows[table.name], digests[table.name] = count, digest.hexdigest()
+        found = _write_rows(archive, table.name, _encoded_rows(connection, table), is_compressed=has_blobs)
+        rows[table.name], digests[table.name] = found
+    for name, content in more.items():
+        rows[name], digests[name] = _write_rows(archive, name, content, is_compressed=True)
     manifest = Manifest(
         format=FORMAT,
         format_version=FORMAT_VERSION,
@@ -215,6 +230,22 @@ def _write(connection: Connection, archive: zipfile.ZipFile, revision: str) -> M
     )
     archive.writestr("manifest.json", json.dumps(asdict(manifest), indent=1))
     return manifest
+
+
+def _write_rows(
+    archive: zipfile.ZipFile, name: str, rows: Iterable[bytes], *, is_compressed: bool
+) -> tuple[int, str]:
+    """Write one entry; return how many rows it has and their digest."""
+    entry = zipfile.ZipInfo(_entry(name), date_time=(1980, 1, 1, 0, 0, 0))
+    entry.compress_type = zipfile.ZIP_STORED if is_compressed else zipfile.ZIP_DEFLATED
+    digest, count = hashlib.sha256(), 0
+    with archive.open(entry, "w", force_zip64=True) as stream:
+        for row in rows:
+            stream.write(len(row).to_bytes(4, "little"))
+            stream.write(row)
+            digest.update(row)
+            count += 1
+    return count, digest.hexdigest()
 
 
 def _read(connection: Connection, archive: zipfile.ZipFile, manifest: Manifest) -> None:

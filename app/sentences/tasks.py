@@ -32,6 +32,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "scaled.no_broker": "NATS cannot be reached: {reason}. Check TELEMOTION_NATS_URL and whether it runs.",
     "scaled.no_nats_password": "TELEMOTION_NATS_URL must name a user and a password, as in"
     " nats://telemotion:PASSWORD@host:4222.",
+    "scaled.unread_packets": "This backup has packets that no worker had stored; restore it to PostgreSQL and NATS"
+    " first.",
+    "scaled.other_partitions": "This backup has {count:number} partitions; set TELEMOTION_PARTITIONS to that number.",
+    "scaled.streams_not_empty": "The streams of NATS are not empty; name a NATS server that holds no sessions.",
     "scaled.no_gateways_here": "Gateways connect to an edge, not to a worker.",
     "service.no_process": "No process can be started at this moment; try again.",
     "limit.views": "Close one, or try again in a minute.",

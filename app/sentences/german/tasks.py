@@ -83,6 +83,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "scaled.no_broker": "NATS ist nicht erreichbar: {reason}. Prüfen Sie TELEMOTION_NATS_URL und ob es läuft.",
     "scaled.no_nats_password": "TELEMOTION_NATS_URL muss Namen und Passwort nennen, wie in"
     " nats://telemotion:PASSWORT@rechner:4222.",
+    "scaled.unread_packets": "Diese Sicherung hat Pakete, die noch kein Arbeitsrechner (worker) gespeichert"
+    " hatte; stellen Sie sie zuerst auf PostgreSQL und NATS wieder her.",
+    "scaled.other_partitions": "Diese Sicherung hat {count:number} Teile; setzen Sie TELEMOTION_PARTITIONS auf diese"
+    " Zahl.",
+    "scaled.streams_not_empty": "Die Ströme von NATS sind nicht leer; nennen Sie einen NATS-Server ohne Sitzungen.",
     "scaled.no_gateways_here": "Gateways verbinden sich mit einem Zugangsrechner (edge), nicht mit einem Arbeitsrechner"
     " (worker).",
 }
