@@ -127,8 +127,8 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
             has_point_sigma = bool(np.isfinite(part.point_sigma_m).any())
     columns = columns_of(first.layout, has_sigma, has_point_sigma)
     lead = -first.first_tick % stride
-    stored = [slice(-part.first_tick % stride, None, stride) for part in parts]
-    table = np.empty((-(-(ticks - lead) // stride), len(columns.kinds)))
+    rows = -(-(ticks - lead) // stride)
+    table = np.empty((rows, len(columns.kinds)))
     for name, (place, shape) in columns.parts.items():
         values = list(map(_FIELDS[name], parts))
         if name in ("segment_sigma_rad", "point_sigma_m"):
@@ -137,8 +137,10 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
                 for part, value in zip(parts, values, strict=True)
             ]
         if stride > 1:
-            values = [value[rows] for value, rows in zip(values, stored, strict=True)]
-        np.concatenate(values, out=table[:, place].reshape(len(table), *shape))
+            values = [
+                value[-part.first_tick % stride :: stride] for part, value in zip(parts, values, strict=True)
+            ]
+        np.concatenate(values, out=table[:, place].reshape(rows, *shape))
     segments = len(first.layout.segments)
     flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
     np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])
