@@ -156,6 +156,18 @@ def test_a_part_without_sigmas_is_unknown_there() -> None:
         assert np.isnan(sigma[5:]).all()
 
 
+def test_segments_alone_are_stored() -> None:
+    """A forearm alone has neither points nor angles."""
+    layout = FrameLayout(("forearm_right",), (), ())
+    ticks, nothing = 5, np.empty((5, 0))
+    q = np.tile([1.0, 0.0, 0.0, 0.0], (ticks, 1, 1))
+    flags = np.zeros((ticks, 1), np.uint8)
+    live = Frames(layout, 0, 0.01, q, np.empty((ticks, 0, 3)), nothing, nothing, nothing, flags, flags[:, :0])
+    read = decode_frames(encode_frames(live), layout)
+    assert read.point_room_m.shape == (ticks, 0, 3)
+    np.testing.assert_allclose(read.q_room_segment, q, atol=1e-4)
+
+
 def test_frames_stored_before_are_still_read() -> None:
     frames = still(30)
     frames.point_room_m[:] = np.random.default_rng(2).normal(size=(30, 1, 3))
