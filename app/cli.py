@@ -102,6 +102,9 @@ def nats_config(
     store: Annotated[str, typer.Option(help="Folder of the server's streams.")] = "var/nats",
     name: Annotated[str, typer.Option(help="Of the server.")] = "telemotion",
     tls: Annotated[str, typer.Option(help="CERTIFICATE,KEY: files of the TLS for gateways.")] = "",
+    listen_tls: Annotated[
+        str, typer.Option(help="CERTIFICATE,KEY: files of the TLS for edges and workers.")
+    ] = "",
 ) -> None:
     """Write the configuration of a NATS server that takes gateways by MQTT, where edges say which of them may connect.
 
@@ -109,7 +112,7 @@ def nats_config(
     """
     from app.commands import scaled as command
 
-    command.nats_config(listen, mqtt, store, name, tls, out)
+    command.nats_config(listen, mqtt, store, name, tls, listen_tls, out)
 
 
 @cli.command()

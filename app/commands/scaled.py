@@ -54,12 +54,12 @@ def worker(host: str, port: int) -> None:
         run_application(settings, _Guarded(create_worker(settings, lock, name)), listener)
 
 
-def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, out: Path) -> None:
+def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, listen_tls: str, out: Path) -> None:
     """Write the configuration of a NATS server that takes gateways by MQTT.
 
     Parameters
     ----------
-    listen, mqtt, store, name, tls : str
+    listen, mqtt, store, name, tls, listen_tls : str
         See `app.scaled.mqtt.configuration`.
     out : Path
         Only its owner may read it: it holds the password of edges and workers.
@@ -71,7 +71,9 @@ def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, out: Pa
     """
     from app.scaled.mqtt.configuration import configuration
 
-    text = configuration(Settings(), listen=listen, mqtt=mqtt, store=store, name=name, tls=tls)
+    text = configuration(
+        Settings(), listen=listen, mqtt=mqtt, store=store, name=name, tls=tls, listen_tls=listen_tls
+    )
     out.unlink(missing_ok=True)
     out.touch(mode=0o600)
     out.write_text(text)

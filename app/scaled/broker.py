@@ -24,6 +24,8 @@ logger = logging.getLogger(__name__)
 BUCKET: Final = "telemotion"
 DUPLICATES_S: Final = 120.0
 """So long a batch that an edge sends again is known to be the same."""
+START_S: Final = 15.0
+"""A process that cannot connect by then does not start, and says why."""
 
 
 class Broker:
@@ -104,10 +106,6 @@ def stream_name(partition: int) -> str:
     return f"telemotion-in-{partition}"
 
 
-async def _broken(error: Exception) -> None:
-    logger.warning("NATS: %s", type(error).__name__)
-
-
 async def connect(settings: Settings, name: str) -> Broker:
     """Return a broker that is connected and prepared; afterwards it reconnects for ever.
 
@@ -120,8 +118,15 @@ async def connect(settings: Settings, name: str) -> Broker:
     Raises
     ------
     InvalidInput
-        The server cannot be reached.
+        No server can be reached, or none is trusted or lets us in.
     """
+    reason = ""
+
+    async def broken(error: Exception) -> None:
+        nonlocal reason
+        reason = str(error) or type(error).__name__
+        logger.warning("NATS: %s", type(error).__name__)
+
     options: dict[str, Any] = {}
     if settings.nats_credentials is not None:
         options["user_credentials"] = str(settings.nats_credentials)
@@ -134,20 +139,22 @@ async def connect(settings: Settings, name: str) -> Broker:
             await found.result().back()
 
     try:
-        client = await nats.connect(
-            settings.nats_url.get_secret_value().split(","),
-            name=name,
-            max_reconnect_attempts=-1,
-            reconnect_time_wait=0.2,
-            connect_timeout=3,
-            ping_interval=5,
-            pending_size=32 << 20,
-            error_cb=_broken,
-            reconnected_cb=back,
-            **options,
-        )
+        # The client would try for ever.
+        async with asyncio.timeout(START_S):
+            client = await nats.connect(
+                settings.nats_url.get_secret_value().split(","),
+                name=name,
+                max_reconnect_attempts=-1,
+                reconnect_time_wait=0.2,
+                connect_timeout=3,
+                ping_interval=5,
+                pending_size=32 << 20,
+                error_cb=broken,
+                reconnected_cb=back,
+                **options,
+            )
     except (OSError, nats.errors.Error) as error:
-        reason = str(error) or type(error).__name__
+        reason = reason or str(error) or type(error).__name__
         raise InvalidInput(say("scaled.no_broker", reason=reason)) from error
     broker = Broker(client, settings)
     await broker.prepare()

@@ -20,6 +20,7 @@ from tests.app.serving import free_port
 from tests.benchmarks.service import EMAIL as EMAIL
 from tests.benchmarks.service import PASSWORD as PASSWORD
 from tests.benchmarks.service import ROOT, SECRET, add_clinic, add_patient, compile_usual, environment_of
+from tests.scaled.tls.certificates import Authority
 
 SERVER = shutil.which("nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
 PATIENCE_S = 300.0
@@ -33,12 +34,18 @@ class Cluster:
     folder : Path
     url : str
         Of an empty database on PostgreSQL.
+    calibration : dict
+        Of its patient.
+    authority : Authority, optional
+        NATS speaks TLS only, with the certificate of this authority.
     """
 
-    def __init__(self, folder: Path, url: str, calibration: dict[str, object]) -> None:
-        self.folder, self.url = folder, url
+    def __init__(
+        self, folder: Path, url: str, calibration: dict[str, object], authority: Authority | None = None
+    ) -> None:
+        self.folder, self.url, self.authority = folder, url, authority
         self.nats_port, self.mqtt_port = free_port(), free_port()
-        self._calibration = calibration
+        self.calibration = calibration
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self.ports: dict[str, int] = {}
         self.before: dict[str, str] = {}
@@ -52,21 +59,24 @@ class Cluster:
     @property
     def nats_url(self) -> str:
         """Where edges and workers find the broker."""
-        return f"nats://telemotion:only-for-tests@127.0.0.1:{self.nats_port}"
+        scheme = "tls" if self.authority else "nats"
+        return f"{scheme}://telemotion:only-for-tests@127.0.0.1:{self.nats_port}"
 
     @property
     def mqtt_url(self) -> str:
         """Where gateways find it by MQTT."""
-        return f"mqtt://127.0.0.1:{self.mqtt_port}"
+        return f"{'mqtts' if self.authority else 'mqtt'}://127.0.0.1:{self.mqtt_port}"
 
     def environment(self, port: int) -> dict[str, str]:
         """Return that of a part."""
+        trusted = {"TELEMOTION_NATS_CA": str(self.authority.ca)} if self.authority else {}
         return environment_of(self.url, self.folder / "data", port) | {
             "TELEMOTION_NATS_URL": self.nats_url,
             "TELEMOTION_MQTT": "true",
             "TELEMOTION_PARTITIONS": "4",
             "TELEMOTION_LEASE_SECONDS": "1.5",
             "PYTHONWARNINGS": "ignore:resource_tracker",
+            **trusted,
         }
 
     def start_broker(self) -> None:
@@ -79,6 +89,8 @@ class Cluster:
             listen=f"127.0.0.1:{self.nats_port}",
             mqtt=f"127.0.0.1:{self.mqtt_port}",
             store=str(self.folder / "nats"),
+            tls=self.authority.files if self.authority else "",
+            listen_tls=self.authority.files if self.authority else "",
         )
         file.write_text(text)
         command = [SERVER, "-c", str(file)]

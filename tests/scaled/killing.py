@@ -5,7 +5,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import AsyncIterator, Container, Iterator, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,6 +15,8 @@ from tests.benchmarks.service import open_sessions
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.database import Database
 from tests.scaled.streaming import Roving, Stored, check_stored, shown_again
+from tests.scaled.tls.certificates import Authority
+from tests.scaled.tls.front import by_tls
 
 AWAY_S = 1.0
 """So long a broker or a database is not there before it is started again."""
@@ -25,20 +27,27 @@ Calibration = dict[str, object]
 
 
 @contextmanager
-def whole_service() -> Iterator[tuple[Cluster, Database, DeviceStream, Calibration]]:
-    """Run everything that there is, with a database that can be killed; gives a stream and its calibration too."""
+def whole_service(
+    authority: Authority | None = None,
+) -> Iterator[tuple[Cluster, Database, DeviceStream, Calibration]]:
+    """Run everything that there is, with a database that can be killed; gives a stream and its calibration too.
+
+    With an authority NATS and PostgreSQL speak TLS only.
+    """
     # A path short enough for the socket of PostgreSQL.
     folder = Path(tempfile.mkdtemp(prefix="tm-"))
     calibration, stream = swaying(62.85)
     database = Database(folder / "pg")
-    cluster = Cluster(folder, database.make(), calibration)
-    try:
+    url = database.make()
+    with ExitStack() as stack:
+        stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        stack.callback(database.close)
+        if authority is not None:
+            url, _ = stack.enter_context(by_tls(url, authority))
+        cluster = Cluster(folder, url, calibration, authority)
+        stack.callback(cluster.close)
         cluster.begin()
         yield cluster, database, stream, calibration
-    finally:
-        cluster.close()
-        database.close()
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 @dataclass

@@ -25,7 +25,14 @@ def issuer_of(settings: Settings) -> Issuer:
 
 
 def configuration(
-    settings: Settings, *, listen: str, mqtt: str, store: str, name: str = "telemotion", tls: str = ""
+    settings: Settings,
+    *,
+    listen: str,
+    mqtt: str,
+    store: str,
+    name: str = "telemotion",
+    tls: str = "",
+    listen_tls: str = "",
 ) -> str:
     """Return the text of a server's configuration; it holds the password of edges and workers.
 
@@ -41,6 +48,8 @@ def configuration(
         Of the server.
     tls : str
         Files of certificate and key for gateways, separated by a comma; empty without TLS.
+    listen_tls : str
+        The same for edges and workers.
 
     Raises
     ------
@@ -56,6 +65,7 @@ def configuration(
     lines = [
         f"server_name: {json.dumps(name)}",
         f"listen: {json.dumps(listen)}",
+        *_tls(listen_tls),
         f"jetstream {{ store_dir: {json.dumps(store)} }}",
         "mqtt {",
         f"  listen: {json.dumps(mqtt)}",
@@ -90,7 +100,7 @@ def _tls(files: str) -> list[str]:
     if not files:
         return []
     certificate, _, key = files.partition(",")
-    return [f"  tls {{ cert_file: {json.dumps(certificate)}, key_file: {json.dumps(key)} }}"]
+    return [f"tls {{ cert_file: {json.dumps(certificate)}, key_file: {json.dumps(key)} }}"]
 
 
 __all__ = ["GATEWAYS", "SERVICE", "configuration", "issuer_of"]
