@@ -14,10 +14,10 @@ from websockets.asyncio.client import connect
 from app.database.engine import create_from_url
 from app.gateway import DeviceStream, ServiceClient
 from tests.app.live.live_load import swaying
-from tests.app.serving import free_port
 from tests.benchmarks.crash import Life, Outcome, Session
-from tests.benchmarks.service import ROOMY, make_patient, open_sessions, start_server
+from tests.benchmarks.service import open_sessions
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
+from tests.scaled.embedded import embedded_shown
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
 pytestmark = [pytest.mark.slow, pytest.mark.postgres]
@@ -132,35 +132,6 @@ class Run:
         return outcome
 
 
-async def embedded(port: int, patient_id: str, stream: DeviceStream, packets: int) -> dict[int, bytes]:
-    """Send the packets of session 0 to a service in one process; return what was shown of each tick."""
-    async with ServiceClient(f"http://127.0.0.1:{port}") as client:
-        await client.sign_in(EMAIL, PASSWORD)
-        [made] = await open_sessions(port, patient_id, stream, 1)
-        one = Watched(0, made["id"], client, stream)
-        one.gateway._pace = 4.0
-        deliveries = one.deliveries()
-        first = [next(deliveries) for _ in range(packets)]
-        watching = asyncio.create_task(one.watch([Life()]))
-        await one.gateway.run(first, goodbye=False)
-        await asyncio.sleep(1.0)
-        watching.cancel()
-        await asyncio.gather(watching, return_exceptions=True)
-    return one.shown
-
-
-def embedded_shown(folder: Path, stream: DeviceStream, packets: int) -> dict[int, bytes]:
-    calibration, _ = swaying(1.0)
-    url, patient_id = make_patient(folder, calibration)
-    port = free_port()
-    process = start_server(url, folder, port, settings=ROOMY | {"TELEMOTION_STREAM_SPEED_LIMIT": "20"})
-    try:
-        return asyncio.run(embedded(port, patient_id, stream, packets))
-    finally:
-        process.terminate()
-        process.wait(60)
-
-
 def test_a_worker_dies_and_nothing_acknowledged_is_lost_and_no_bit_differs(cluster, tmp_path: Path) -> None:
     parts, stream = cluster
     run = Run(parts, stream)
@@ -181,7 +152,7 @@ def test_a_worker_dies_and_nothing_acknowledged_is_lost_and_no_bit_differs(clust
     assert gaps[0] < FRAMES_WITHIN_S
     (tmp_path / "one").mkdir(mode=0o700)
     ours = run.sessions[0].shown
-    theirs = embedded_shown(tmp_path / "one", stream, run.sessions[0].sent)
+    theirs = embedded_shown(tmp_path / "one", parts.calibration, stream, run.sessions[0])
     both = ours.keys() & theirs.keys()
     assert len(both) > 100 * BEFORE_S
     assert max(both) > run.killed_tick
