@@ -99,7 +99,7 @@ def test_what_the_live_page_says_is_true(
     visitor.picture("live-gateway-killed-1440")
     silence = re.search(r"Silent for\D*([0-9]+)", banner.inner_text())
     assert silence
-    page.wait_for_timeout(2500)
+    page.wait_for_timeout(3500)
     grown = re.search(r"Silent for\D*([0-9]+)", banner.inner_text())
     assert grown
     assert int(grown[1]) >= int(silence[1]) + 2
