@@ -187,6 +187,18 @@ def test_a_sensor_is_told_lost_once_and_back_once() -> None:
     assert told == [("forearm_left", True, 50), ("forearm_left", False, 150)]
 
 
+def test_health_is_the_same_list_until_jitter_has_moved_by_more_than_its_step() -> None:
+    health = LinkHealth(("sternum",), 0.01)
+    health.add_packets([(0.0, 0.0), (0.05, 0.05 + 8e-3)])
+    shown = health.sensors(link_is_up=True)
+    assert shown[0].jitter_ms == 0.0, "8 ms / 16 is half a millisecond"
+    health.add_packets([(0.1, 0.1 + 1e-3)])
+    assert health.sensors(link_is_up=True) is shown
+    health.add_packets([(0.15, 0.15 + 30e-3)])
+    (sternum,) = health.sensors(link_is_up=True)
+    assert sternum.jitter_ms == 2.5, "2.66 to half a millisecond"
+
+
 def test_health_counts_loss_jitter_and_saturation() -> None:
     health = LinkHealth(("sternum", "forearm_left"), 0.01)
     for i in range(20):
