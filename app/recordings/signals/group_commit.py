@@ -73,7 +73,8 @@ class GroupCommitWriter:
     chunk_s : float
         A chunk is closed when its first item is this old; acknowledgements follow one commit later.
     commit_bytes, queue_bytes, session_bytes : int
-        Commit early above the first; refuse above the others (see the module text).
+        Commit early above the first, a session above an eighth of the last; refuse above the others (see the
+        module text).
     """
 
     def __init__(
@@ -187,7 +188,7 @@ class GroupCommitWriter:
                 return False
             self._make_sure_there_is_room(session, size)
             session.add_packet(packet, size)
-            self._count_queued(size)
+            self._count_queued(session, size)
             return True
 
     def append_run(self, session_id: str, run: PacketRun, came_s: float) -> int:
@@ -202,7 +203,7 @@ class GroupCommitWriter:
                 return sum([self.append_packet(session_id, packet) for packet in run.packets()])
             self._make_sure_there_is_room(session, size)
             session.add_run(run, size, came_s)
-            self._count_queued(size)
+            self._count_queued(session, size)
             return len(run.messages)
 
     def has_room(self, session_id: str) -> bool:
@@ -233,7 +234,7 @@ class GroupCommitWriter:
                 self.metrics.frame_ticks_refused += frames.tick_count
                 return False
             session.add_frames(result_id, frames, size)
-            self._count_queued(size)
+            self._count_queued(session, size)
             return True
 
     def add_event(
@@ -314,7 +315,10 @@ class GroupCommitWriter:
                 reason="store_behind",
             )
 
-    def _count_queued(self, size: int) -> None:
+    def _count_queued(self, session: OpenSession, size: int) -> None:
+        if session.size >= self._session_bytes // 8:
+            # Faster than life: stored now, before its frames are refused.
+            session.is_urgent = True
         metrics = self.metrics
         metrics.queued_bytes += size
         if metrics.queued_bytes > metrics.queued_bytes_highest:

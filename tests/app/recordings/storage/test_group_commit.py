@@ -232,6 +232,26 @@ def test_a_full_queue_refuses_and_takes_again_later(
     assert stored_ranges(engine, session_id) == SequenceRanges([(0, 4)])
 
 
+def test_a_session_faster_than_life_is_stored_before_its_second_is_over(
+    engine: Engine, new_session: Callable[..., str], packet: Make
+) -> None:
+    fast, slow = new_session(), new_session()
+    size = len(packet(0).payload) + 128
+    fast_is_stored = threading.Event()
+    writer = GroupCommitWriter(engine, commit_interval_s=0.01, chunk_s=60.0, session_bytes=80 * size)
+    writer.open_session(fast, lambda _: fast_is_stored.set())
+    writer.open_session(slow)
+    for n in range(10):
+        writer.append_packet(fast, packet(n))
+    writer.append_packet(slow, packet(0))
+    writer.start()
+    assert fast_is_stored.wait(10)
+    assert stored_ranges(engine, fast) == SequenceRanges([(0, 10)])
+    # The others wait for their own time.
+    assert stored_ranges(engine, slow) == SequenceRanges()
+    writer.close()
+
+
 def test_closing_the_writer_commits_what_waits(
     engine: Engine, new_session: Callable[..., str], packet: Make
 ) -> None:
