@@ -200,7 +200,8 @@ class Settings(BaseSettings):
         description="Of an edge or worker: addresses of NATS servers, separated by commas; tls:// for TLS.",
     )
     nats_credentials: Path | None = Field(
-        default=None, description="File with the credentials (.creds) for NATS; none where it asks for none."
+        default=None,
+        description="File for NATS: .creds, or the private NKEY of a user; none where the address has a password.",
     )
     nats_ca: Path | None = Field(
         default=None, description="Certificate authority of the NATS servers; by default those of the system."

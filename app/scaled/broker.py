@@ -3,8 +3,10 @@
 import asyncio
 import contextlib
 import logging
+import re
 import ssl
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 import nats
@@ -13,8 +15,10 @@ from nats.js import JetStreamContext
 from nats.js.api import DiscardPolicy, KeyValueConfig, RetentionPolicy, StorageType, StreamConfig
 from nats.js.errors import BadRequestError
 from nats.js.kv import KeyValue
+from nats.protocol.parser import PERMISSIONS_ERR
 
 from app.errors import InvalidInput
+from app.scaled.credentials import read_credentials
 from app.scaled.wire import subject
 from app.sentences import say
 from app.settings import Settings
@@ -26,6 +30,46 @@ DUPLICATES_S: Final = 120.0
 """So long a batch that an edge sends again is known to be the same."""
 START_S: Final = 15.0
 """A process that cannot connect by then does not start, and says why."""
+_REFUSAL: Final = re.compile("authorization|authentication|permissions", re.IGNORECASE)
+"""In what a server says when it does not let somebody in, or do something."""
+
+
+class _Client(Client):
+    """The client, with a file of credentials; an error of the server ends a connection, never the client.
+
+    It would give up when credentials expire or are refused later on: the file has newer ones by then, or soon.
+    """
+
+    def __init__(self, credentials: Path | None) -> None:
+        super().__init__()
+        self._file = credentials
+
+    async def _connect_to_server(self, s: Any) -> None:
+        if self._transport is not None:
+            # An attempt that failed leaves its connection open.
+            self._transport.close()  # type: ignore[no-untyped-call]
+        await super()._connect_to_server(s)
+
+    def _connect_command(self) -> bytes:
+        if self._file is not None:
+            try:
+                found = read_credentials(self._file)
+            except InvalidInput as error:
+                # Of another kind the client would not try again.
+                raise nats.errors.Error(str(error.message)) from error
+            self._signature_cb = found.sign
+            if found.token:
+                self._user_jwt_cb = lambda: bytearray(found.token.encode())
+            else:
+                self._user_jwt_cb, self._public_nkey = None, found.public
+        command: bytes = super()._connect_command()
+        return command
+
+    async def _process_err(self, err_msg: str) -> None:
+        if PERMISSIONS_ERR in err_msg:
+            await super()._process_err(err_msg)
+        else:
+            await self._process_op_err(nats.errors.Error(f"nats: {err_msg}"))
 
 
 class Broker:
@@ -118,20 +162,25 @@ async def connect(settings: Settings, name: str) -> Broker:
     Raises
     ------
     InvalidInput
-        No server can be reached, or none is trusted or lets us in.
+        No server can be reached, or none is trusted or lets us in, or the file of credentials is none.
     """
-    reason = ""
+    reason = refusal = ""
 
     async def broken(error: Exception) -> None:
-        nonlocal reason
+        nonlocal reason, refusal
         reason = str(error) or type(error).__name__
-        logger.warning("NATS: %s", type(error).__name__)
+        if _REFUSAL.search(reason):
+            # The connection that ends with it may be reset later.
+            refusal = reason
+        logger.warning("NATS: %s", reason)
 
-    options: dict[str, Any] = {}
     if settings.nats_credentials is not None:
-        options["user_credentials"] = str(settings.nats_credentials)
+        # A file that is none is not tried for long.
+        read_credentials(settings.nats_credentials)
+    options: dict[str, Any] = {}
     if settings.nats_ca is not None:
         options["tls"] = ssl.create_default_context(cafile=str(settings.nats_ca))
+    client = _Client(settings.nats_credentials)
     found: asyncio.Future[Broker] = asyncio.get_running_loop().create_future()
 
     async def back() -> None:
@@ -141,11 +190,11 @@ async def connect(settings: Settings, name: str) -> Broker:
     try:
         # The client would try for ever.
         async with asyncio.timeout(START_S):
-            client = await nats.connect(
+            await client.connect(
                 settings.nats_url.get_secret_value().split(","),
                 name=name,
                 max_reconnect_attempts=-1,
-                reconnect_time_wait=0.2,
+                reconnect_time_wait=0.2,  # type: ignore[arg-type]
                 connect_timeout=3,
                 ping_interval=5,
                 pending_size=32 << 20,
@@ -153,10 +202,13 @@ async def connect(settings: Settings, name: str) -> Broker:
                 reconnected_cb=back,
                 **options,
             )
+        broker = Broker(client, settings)
+        await broker.prepare()
     except (OSError, nats.errors.Error) as error:
+        await client.close()
+        if refusal:
+            raise InvalidInput(say("scaled.no_broker_right", reason=refusal)) from error
         reason = reason or str(error) or type(error).__name__
         raise InvalidInput(say("scaled.no_broker", reason=reason)) from error
-    broker = Broker(client, settings)
-    await broker.prepare()
     found.set_result(broker)
     return broker

@@ -30,6 +30,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "scaled.moving": "The session is moving to another machine; it goes on in a moment.",
     "scaled.mqtt_lost": "Messages were lost on the way; connect anew and send again what is missing.",
     "scaled.no_broker": "NATS cannot be reached: {reason}. Check TELEMOTION_NATS_URL and whether it runs.",
+    "scaled.no_broker_right": "NATS does not let this process in: {reason}. Check the user and the password in"
+    " TELEMOTION_NATS_URL, or the file that TELEMOTION_NATS_CREDENTIALS names.",
+    "scaled.no_credentials": "{path} is no file of credentials for NATS: {reason}. It is a .creds file, or has the"
+    " private NKEY of a user (SU...).",
     "scaled.no_nats_password": "TELEMOTION_NATS_URL must name a user and a password, as in"
     " nats://telemotion:PASSWORD@host:4222.",
     "scaled.unread_packets": "This backup has packets that no worker had stored; restore it to PostgreSQL and NATS"

@@ -29,6 +29,7 @@ Calibration = dict[str, object]
 @contextmanager
 def whole_service(
     authority: Authority | None = None,
+    kind: type[Cluster] = Cluster,
 ) -> Iterator[tuple[Cluster, Database, DeviceStream, Calibration]]:
     """Run everything that there is, with a database that can be killed; gives a stream and its calibration too.
 
@@ -44,7 +45,7 @@ def whole_service(
         stack.callback(database.close)
         if authority is not None:
             url, _ = stack.enter_context(by_tls(url, authority))
-        cluster = Cluster(folder, url, calibration, authority)
+        cluster = kind(folder, url, calibration, authority)
         stack.callback(cluster.close)
         cluster.begin()
         yield cluster, database, stream, calibration

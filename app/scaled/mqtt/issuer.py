@@ -1,16 +1,14 @@
-"""Signs who may connect, in the form that NATS reads: JWT with Ed25519, keys in base 32 with a check sum."""
+"""Signs who may connect, in the form that NATS reads: JWT with Ed25519, see `app.scaled.credentials`."""
 
 import base64
 import json
 import time
 from hashlib import sha256
-from typing import Any, Final
+from typing import Any
 
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-_ACCOUNT: Final = 0
-"""Kind of key, as the first five bits: an account's, which begins with A."""
-_CRC_POLYNOMIAL: Final = 0x1021
+from app.scaled.credentials import Kind, public_text
 
 
 class Issuer:
@@ -20,13 +18,13 @@ class Issuer:
     ----------
     seed : bytes, shape (32,)
         The same in all edges, and a secret.
+    kind : Kind
+        An account signs for users, an operator for accounts.
     """
 
-    def __init__(self, seed: bytes) -> None:
+    def __init__(self, seed: bytes, kind: Kind = Kind.ACCOUNT) -> None:
         self._key = Ed25519PrivateKey.from_private_bytes(seed)
-        raw = bytes([_ACCOUNT]) + self._key.public_key().public_bytes_raw()
-        raw += _crc16(raw).to_bytes(2, "little")
-        self.public = base64.b32encode(raw).decode().rstrip("=")
+        self.public = public_text(kind, self._key)
         """What the configuration of the servers names."""
 
     def sign(self, claims: dict[str, Any]) -> str:
@@ -67,16 +65,6 @@ def _encoded(content: dict[str, Any]) -> str:
 
 def _text(data: bytes) -> str:
     return base64.urlsafe_b64encode(data).rstrip(b"=").decode()
-
-
-def _crc16(data: bytes) -> int:
-    """Return the CRC of XMODEM, which NATS adds to its keys."""
-    found = 0
-    for byte in data:
-        found ^= byte << 8
-        for _ in range(8):
-            found = (found << 1 ^ _CRC_POLYNOMIAL if found & 0x8000 else found << 1) & 0xFFFF
-    return found
 
 
 __all__ = ["Issuer", "claims_of"]

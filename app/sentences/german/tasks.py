@@ -81,6 +81,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "scaled.moving": "Die Sitzung wechselt auf einen anderen Rechner; sie geht gleich weiter.",
     "scaled.mqtt_lost": "Unterwegs gingen Nachrichten verloren; neu verbinden und senden, was fehlt.",
     "scaled.no_broker": "NATS ist nicht erreichbar: {reason}. Prüfen Sie TELEMOTION_NATS_URL und ob es läuft.",
+    "scaled.no_broker_right": "NATS lässt diesen Prozess nicht ein: {reason}. Prüfen Sie Namen und Passwort in"
+    " TELEMOTION_NATS_URL oder die Datei, die TELEMOTION_NATS_CREDENTIALS nennt.",
+    "scaled.no_credentials": "{path} ist keine Datei mit Zugangsdaten für NATS: {reason}. Erwartet wird eine"
+    " .creds-Datei oder der geheime NKEY eines Benutzers (SU...).",
     "scaled.no_nats_password": "TELEMOTION_NATS_URL muss Namen und Passwort nennen, wie in"
     " nats://telemotion:PASSWORT@rechner:4222.",
     "scaled.unread_packets": "Diese Sicherung hat Pakete, die noch kein Arbeitsrechner (worker) gespeichert"
