@@ -9,7 +9,6 @@ gateway holds packets that nobody else has.
 import asyncio
 import time
 from collections import deque
-from statistics import median
 from typing import Final
 
 from app.errors import Unavailable
@@ -23,6 +22,10 @@ MOST_BUSY: Final = 0.85
 """Share of a processor: queues grow without end at 1, and long before that in bursts."""
 LATE_S: Final = 0.25
 """Where half of the turns come later, something else uses the machine up."""
+CROWDED_BUSY: Final = 0.3
+CROWDED_S: Final = 0.03
+"""Where the thread uses more than that share and a quarter of its turns comes later, its sessions use the machine up:
+other threads estimate and store for them. One frame in a hundred is then three times as late."""
 USUAL_COST: Final = 0.0032
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
 LEAST_COST: Final = 0.0015
@@ -84,8 +87,10 @@ class Admission:
         """
         busy = self.busy
         cost = min(max(busy / streaming, LEAST_COST), MOST_COST) if streaming else USUAL_COST
-        is_late = (
-            len(self._turns) == self._turns.maxlen and median(late for _, _, late in self._turns) > LATE_S
+        late_s = sorted(late for _, _, late in self._turns)
+        turns = len(late_s)
+        is_late = turns == self._turns.maxlen and (
+            late_s[turns // 2] > LATE_S or (busy > CROWDED_BUSY and late_s[3 * turns // 4] > CROWDED_S)
         )
         if is_late or busy + (quiet + 1) * cost > MOST_BUSY:
             self.refused += 1

@@ -18,6 +18,7 @@ import argparse
 import asyncio
 import multiprocessing
 import queue
+import signal
 import sys
 import tempfile
 import threading
@@ -25,6 +26,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from multiprocessing.synchronize import Event
 from pathlib import Path
 
 import numpy as np
@@ -74,9 +76,57 @@ def service(calibration: dict[str, object]) -> Iterator[tuple[int, str, psutil.P
             process.wait(60)
 
 
-@dataclass
+Found = tuple[Socket, Socket] | Refusal
+
+
 class Door:
-    """Sessions that come one after the other, from a thread of their own: who is sent away comes again as told.
+    """Knocks at a service; each who knocks has a ticket of that moment: one that waited would be too old."""
+
+    def __init__(self, port: int) -> None:
+        self._port, self._loop = port, asyncio.new_event_loop()
+        self._client = ServiceClient(f"http://127.0.0.1:{port}")
+        self._loop.run_until_complete(self._client.sign_in(EMAIL, PASSWORD))
+
+    def knock(self, session: Created) -> Found:
+        """Try to connect; returns gateway and dashboard when the session is in."""
+        ingest, live = (
+            self._loop.run_until_complete(self._client.ticket(session.id, purpose))
+            for purpose in ("ingest", "live")
+        )
+        return connect_one(self._port, replace(session, ingest=ingest, live=live), 0, ingest)
+
+
+def come(
+    port: int, sessions: list[Created], found: "multiprocessing.Queue[tuple[int, Found]]", is_over: Event
+) -> None:
+    """Let sessions come one after the other, from a process of its own: who is sent away comes again as it is told.
+
+    Twice as many come as were in when the first was sent away. Whoever reads latencies must not wait for them.
+    """
+    door, carried, count = Door(port), 0, 0
+    coming = [(time.monotonic() + ARRIVAL_S * number, number) for number in range(len(sessions))]
+    knocked: set[int] = set()
+    while coming and not is_over.is_set():
+        coming.sort()
+        at_s, number = coming.pop(0)
+        if number not in knocked and carried and len(knocked) >= 2 * carried:
+            continue
+        is_over.wait(max(0.0, at_s - time.monotonic()))
+        answer = door.knock(sessions[number])
+        found.put((number, answer))
+        knocked.add(number)
+        if isinstance(answer, Refusal):
+            carried = carried or count
+            coming.append((time.monotonic() + answer.retry_after_s, number))
+        else:
+            count += 1
+    # Sockets are handed over by this process.
+    signal.pause()
+
+
+@dataclass
+class Arrivals:
+    """Who is in and who was sent away.
 
     Attributes
     ----------
@@ -84,95 +134,70 @@ class Door:
         Sessions that were in when the first was sent away; 0 before.
     """
 
-    port: int
-    sessions: list[Created]
-    admitted: "queue.Queue[tuple[Created, Socket, Socket]]" = field(default_factory=queue.Queue)
     refusals: list[Refusal] = field(default_factory=list)
+    entered: list[Created] = field(default_factory=list)
     carried: int = 0
-    count: int = 0
-    is_over: bool = False
 
-    def __post_init__(self) -> None:
-        self._loop = asyncio.new_event_loop()
-        self._client = ServiceClient(f"http://127.0.0.1:{self.port}")
-        self._loop.run_until_complete(self._client.sign_in(EMAIL, PASSWORD))
-
-    def run(self) -> None:
-        """Let sessions in until it is over; twice as many come as the machine carries."""
-        coming = [(time.monotonic() + ARRIVAL_S * number, one) for number, one in enumerate(self.sessions)]
-        knocked: set[str] = set()
-        while coming and not self.is_over:
-            coming.sort(key=lambda one: one[0])
-            at_s, session = coming.pop(0)
-            if session.id not in knocked and self.carried and len(knocked) >= 2 * self.carried:
-                continue
-            time.sleep(max(0.0, at_s - time.monotonic()))
-            again_s = self.knock(session)
-            knocked.add(session.id)
-            if again_s is not None:
-                coming.append((time.monotonic() + again_s, session))
-
-    def knock(self, session: Created) -> float | None:
-        """Try to connect; returns when to come again, None when the session is in."""
-        # A ticket that waited for its turn at the door would be too old.
-        ingest, live = (
-            self._loop.run_until_complete(self._client.ticket(session.id, purpose))
-            for purpose in ("ingest", "live")
-        )
-        found = connect_one(self.port, replace(session, ingest=ingest, live=live), 0, ingest)
-        if isinstance(found, Refusal):
-            self.carried = self.carried or self.count
-            self.refusals.append(found)
-            return found.retry_after_s
-        self.count += 1
-        self.admitted.put((session, *found))
-        return None
+    def take(
+        self, found: "multiprocessing.Queue[tuple[int, Found]]", made: list[Created], load: Load
+    ) -> None:
+        """Let whoever was let in send from now on."""
+        with suppress(queue.Empty):
+            while True:
+                number, answer = found.get_nowait()
+                if isinstance(answer, Refusal):
+                    self.carried = self.carried or len(self.entered)
+                    self.refusals.append(answer)
+                else:
+                    load.add(made[number].part, *answer)
+                    self.entered.append(made[number])
 
 
 def overload(part: Part, calibration: dict[str, object], most: int, hold_s: float) -> bool:
     """Print what a machine does with twice what it carries; True when all that is required is met."""
+    spawn = multiprocessing.get_context("spawn")
     with service(calibration) as (port, patient_id, server, folder):
         made = asyncio.run(create(port, patient_id, [(part, most)]))
         memory = Memory(server, idle_mb(server))
-        door, load = Door(port, made), Load(Opened(), server)
-        thread = threading.Thread(target=door.run, daemon=True)
+        load, arrivals = Load(Opened(), server), Arrivals()
+        found: multiprocessing.Queue[tuple[int, Found]] = spawn.Queue()
+        is_over = spawn.Event()
+        comers = spawn.Process(target=come, args=(port, made, found, is_over), daemon=True)
         load.begin()
-        thread.start()
-        entered: list[Created] = []
+        comers.start()
 
         def drive(seconds: float) -> None:
             until_s = load.now_s + seconds
             while load.now_s < until_s:
-                with suppress(queue.Empty):
-                    while True:
-                        session, gateway, dashboard = door.admitted.get_nowait()
-                        load.add(session.part, gateway, dashboard)
-                        entered.append(session)
+                arrivals.take(found, made, load)
                 if not load.drive_until(min(until_s, load.now_s + 0.1)):
                     load.read_for(0.02)
 
-        while not door.carried and len(entered) < most:
+        while not arrivals.carried and len(arrivals.entered) < most:
             drive(1.0)
-        if not door.carried:
+        if not arrivals.carried:
             print(f"this machine carries all {most} sessions: let more come, with --most")
             return False
-        print(f"carries   {door.carried} sessions; as many again knock", flush=True)
-        drive(ARRIVAL_S * door.carried + 2.0)
-        full_s, count = load.now_s, len(entered)
+        print(f"carries   {arrivals.carried} sessions; as many again knock", flush=True)
+        drive(ARRIVAL_S * arrivals.carried + 2.0)
+        full_s = load.now_s
         memory.note(0.0)
         drive(hold_s)
         memory.note(hold_s / 60.0)
         held_s = load.now_s
-        door.is_over = True
-        thread.join(60.0)
+        is_over.set()
+        # Who knocks at this moment is in or sent away before the process that passes sockets on ends.
+        drive(2.0)
+        comers.terminate()
+        entered = list(arrivals.entered)
         for session in range(0, len(entered), 2):
             load.goodbye(session)
         outside = next(one for one in made if one.id not in {session.id for session in entered})
-        back_s = recover(load, door, outside)
+        back_s = recover(load, Door(port), outside)
         drive(RECOVERY_S)
         load.end()
         kept = stored(folder, [one.id for one in entered])["raw"][1] // 5
-    return report(load, door, memory, (full_s, held_s, count, back_s, kept))
+    return report(load, arrivals, memory, (full_s, held_s, back_s, kept))
 
 
 def recover(load: Load, door: Door, outside: Created) -> float:
@@ -180,26 +205,25 @@ def recover(load: Load, door: Door, outside: Created) -> float:
     ended_s = load.now_s
     while load.now_s < ended_s + 60.0:
         load.drive_until(load.now_s + AGAIN_S)
-        before = door.count
-        door.knock(outside)
-        if door.count > before:
+        if not isinstance(door.knock(outside), Refusal):
             return load.now_s - ended_s
     return float("inf")
 
 
-def report(load: Load, door: Door, memory: Memory, found: tuple[float, float, int, float, int]) -> bool:
+def report(load: Load, arrivals: Arrivals, memory: Memory, found: tuple[float, float, float, int]) -> bool:
     """Print what overload did."""
-    full_s, held_s, count, back_s, kept = found
+    full_s, held_s, back_s, kept = found
+    refusals, count = arrivals.refusals, len(arrivals.entered)
     outcome = load.outcome
     sent_s, published_ms = outcome.sent_s, outcome.published_ms
     during = published_ms[(sent_s >= full_s) & (sent_s < held_s)]
     after = published_ms[sent_s >= held_s + RECOVERY_S]
-    told = [one for one in door.refusals if one.message and one.retry_after_s > 0.0]
+    told = [one for one in refusals if one.message and one.retry_after_s > 0.0]
     print(f"\nmachine   {machine()}")
     print(
-        f"load      {2 * door.carried} sessions came, {count} streamed, sent away {len(door.refusals)} times"
+        f"load      {2 * arrivals.carried} sessions came, {count} streamed, sent away {len(refusals)} times"
     )
-    print(f"told      {door.refusals[0].message} Again after {door.refusals[0].retry_after_s:.0f} s.")
+    print(f"told      {refusals[0].message} Again after {refusals[0].retry_after_s:.0f} s.")
     print(heading())
     print(row("all that the machine takes, published", during))
     print(row("5 s after half of them have ended", after))
@@ -213,8 +237,8 @@ def report(load: Load, door: Door, memory: Memory, found: tuple[float, float, in
                 f"{high:.1f} ms",
             ),
             "a sentence and a time for everybody sent away": (
-                len(told) == len(door.refusals),
-                f"{len(told)} of {len(door.refusals)}",
+                len(told) == len(refusals),
+                f"{len(told)} of {len(refusals)}",
             ),
             "memory stays where it is": (ended < MEMORY_GROWTH * begun, f"{begun:.0f} to {ended:.0f} MB"),
             f"room again within {RECOVERY_S:.0f} s": (back_s < RECOVERY_S, f"{back_s:.1f} s"),
@@ -295,7 +319,7 @@ def main() -> int:
     """Overload a service, then flood one."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "--most", type=int, default=1200, help="sessions that come until the first is sent away"
+        "--most", type=int, default=600, help="sessions that come until the first is sent away"
     )
     parser.add_argument(
         "--seconds", type=float, default=30.0, help="how long the overload, and the flood, last"

@@ -67,6 +67,19 @@ def test_a_thread_that_wakes_late_takes_nobody_however_little_it_uses() -> None:
     one_hiccup.require_room(streaming=1, quiet=0)
 
 
+def test_a_crowd_that_uses_the_machine_up_closes_the_door_before_frames_are_late() -> None:
+    with pytest.raises(Unavailable):
+        measured(0.5, late_s=0.04).require_room(streaming=320, quiet=0)
+    measured(0.5, late_s=0.02).require_room(streaming=250, quiet=0)
+    # Few sessions beside something else come in, though a little later.
+    measured(0.1, late_s=0.04).require_room(streaming=5, quiet=0)
+    # Sometimes late is not crowded.
+    hiccups = measured(0.5)
+    for _ in range(2):
+        hiccups.note(0.35, 0.1, 0.1)
+    hiccups.require_room(streaming=250, quiet=0)
+
+
 def test_it_recovers_within_its_window() -> None:
     admission = measured(1.0, late_s=1.0)
     for _ in range(round(WINDOW_S / 0.25)):
