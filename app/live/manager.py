@@ -45,7 +45,7 @@ logger = logging.getLogger(__name__)
 _NOT_CLOSED = say("live.not_closed")
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
-ENDINGS: Final = 4
+ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
 
