@@ -15,6 +15,7 @@ class Relay:
         self._target = ("127.0.0.1", 0)
         self._pairs: set[tuple[socket.socket, socket.socket]] = set()
         self._is_broken = False
+        self._refused = b""
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
 
@@ -29,8 +30,12 @@ class Relay:
         for pair in list(self._pairs):
             self._cut(pair)
 
+    def refuse(self, beginning: bytes) -> None:
+        """Cut every connection that asks for something that begins so, as if it did not come through."""
+        self._refused = beginning
+
     def mend(self) -> None:
-        self._is_broken = False
+        self._is_broken, self._refused = False, b""
 
     def close(self) -> None:
         self._listener.close()
@@ -56,6 +61,8 @@ class Relay:
     def _pass(self, source: socket.socket, sink: socket.socket, pair: tuple[socket.socket, ...]) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(65536):
+                if self._refused and data.startswith(self._refused):
+                    break
                 sink.sendall(data)
         self._cut((pair[0], pair[1]))
 

@@ -104,6 +104,27 @@ def stored_samples(client: httpx.Client, session_id: str) -> tuple[NDArray[np.in
     return np.array(numbers), np.concatenate([packet.values for packet in packets]).astype(float)
 
 
+def best_error(
+    ticks: NDArray[np.int64], stored: NDArray[np.float64], samples: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return how far what is stored lies off the lines between the samples, with the delay that fits it best.
+
+    Parameters
+    ----------
+    ticks : ndarray, shape (n,)
+        At which it is stored, from the first sample on.
+    stored : ndarray, shape (n,)
+    samples : ndarray, shape (N,)
+        As they were emitted, one a tick. A radio brings them up to three ticks late.
+    """
+    at = np.arange(len(samples))
+    errors = [
+        np.abs(np.interp(ticks - delay_ticks, at, samples) - stored)
+        for delay_ticks in np.arange(0.0, 3.0, 0.05)
+    ]
+    return errors[int(np.argmin([np.median(one) for one in errors]))]
+
+
 def new_session(client: httpx.Client, placements: tuple[str, ...]) -> str:
     """Begin a session for the patient, as her page does when an exercise is started."""
     wanted = {"patient_id": patient_of(client), "placements": list(placements), "use_mounting": False}

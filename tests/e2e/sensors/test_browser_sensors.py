@@ -1,50 +1,16 @@
 """A patient measures without a gateway: a simulated arm goes through the real page into the real service."""
 
-from collections.abc import Iterator
-
 import httpx
 import numpy as np
-import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
-from app.demo.people import PATIENTS
-from tests.e2e.conftest import Service, Visitor, apart, serving
+from tests.e2e.conftest import Service, Visitor, apart
 from tests.e2e.sensors import sensors_at_home as home
-from tests.e2e.sensors.broken_link import Relay, relaying
+from tests.e2e.sensors.broken_link import Relay
 
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 MOVEMENT_S = 14.0
 BROKEN_S = 5.0
-
-
-@pytest.fixture(scope="module")
-def relay() -> Iterator[Relay]:
-    with relaying() as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def service(relay: Relay, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    with serving(tmp_path_factory.mktemp("home"), base_url=relay.address) as one:
-        relay.serve(one.address)
-        yield one
-
-
-@pytest.fixture(scope="module")
-def therapist(service: Service, relay: Relay) -> Iterator[httpx.Client]:
-    with home.therapist_at(relay.address) as client:
-        yield client
-
-
-@pytest.fixture
-def patient(chromium: Browser, relay: Relay, service: Service) -> Iterator[Visitor]:
-    context = chromium.new_context(reduced_motion="reduce")
-    context.add_init_script(home.EMULATED)
-    someone = Visitor(context.new_page(), relay.address)
-    someone.sign_in(PATIENTS[0].email)
-    someone.page.set_viewport_size({"width": 390, "height": 844})
-    yield someone
-    context.close()
 
 
 def exercise(page: Page, relay: Relay, moves_s: float, broken_s: float) -> None:
@@ -137,17 +103,9 @@ def test_bluetooth_sensors_store_every_sample_and_come_back(
     assert 0 < lost.size < 8.0 * home.RATE_HZ
     assert lost[-1] - lost[0] + 1 == lost.size
     # What is stored lies on the lines between the samples, later by the quickest message of each sensor.
-    ticks = np.arange(len(worn.samples))
     for sensor in range(2):
         shown = np.flatnonzero(~is_missing[:, sensor])[200:]
-        errors = [
-            np.abs(
-                np.interp(numbers[shown] - first - delay_ticks, ticks, worn.samples[:, sensor, 0])
-                - values[shown, sensor, 0]
-            )
-            for delay_ticks in np.arange(0.0, 3.0, 0.05)
-        ]
-        best = errors[int(np.argmin([np.median(one) for one in errors]))]
+        best = home.best_error(numbers[shown] - first, values[shown, sensor, 0], worn.samples[:, sensor, 0])
         print(
             f"sensor {sensor}: median error {np.median(best):.4f} rad/s, 99 % {np.quantile(best, 0.99):.4f}"
         )

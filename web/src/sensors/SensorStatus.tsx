@@ -2,6 +2,7 @@
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
 import type { Placement } from '../api/types';
+import type { LinkState } from './gateway/link';
 import type { RecorderState } from './gateway/recorder';
 import type { RunSnapshot } from './run';
 
@@ -17,6 +18,9 @@ function linkWords(recorder: RecorderState): string {
   return t(`sensors.link.${status}`);
 }
 
+/** Why nothing more is sent, in words for the patient. */
+export const refusalWords = ({ code, reason }: LinkState) => (code === 'superseded' ? t('sensors.takenOver') : reason);
+
 /** The parts that are wrong, in the order in which they matter. */
 function troubles(run: RunSnapshot): string[] {
   const recorder = run.gateway?.recorder;
@@ -25,7 +29,7 @@ function troubles(run: RunSnapshot): string[] {
     run.gateway?.broken && t('sensors.broken'),
     recorder?.isFull && t('sensors.full'),
     recorder?.lostPackets && t('sensors.lost', { count: recorder.lostPackets }),
-    recorder?.link.status === 'refused' && recorder.link.reason,
+    recorder?.link.status === 'refused' && refusalWords(recorder.link),
     !isOver && run.isSilent && t('sensors.silent'),
     !isOver && !run.isAwake && t('sensors.asleep'),
   ].filter((one): one is string => Boolean(one));

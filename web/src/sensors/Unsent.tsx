@@ -1,15 +1,18 @@
 // What an earlier exercise left on this device: sent as soon as there is a connection, and said until it is.
+import { IconCircleCheckFilled } from '@tabler/icons-react';
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { useSignedIn } from '../components/account/useSignedIn';
+import { Notice } from '../components/Feedback';
 import { Confirm } from '../components/forms/Confirm';
 import { t } from '../i18n';
 import { BrowserGateway } from './gateway/browserGateway';
+import type { RecorderState } from './gateway/recorder';
 import { PacketStore, type StoredNetwork } from './gateway/store';
 import { measuringFor } from './registry';
-import { secondsText } from './SensorStatus';
+import { refusalWords, secondsText } from './SensorStatus';
 import { registerShell } from './shell';
 import './sensors.css';
-import { isTurnElsewhere } from './turn';
+import { inTurn, isTurnElsewhere } from './turn';
 
 const LOOK_MS = 10_000;
 
@@ -37,50 +40,74 @@ async function forget(sessionId: string): Promise<void> {
   store.close();
 }
 
-function Sending({ network, onDone }: { network: StoredNetwork; onDone: () => void }) {
+function words({ waitingS, link }: RecorderState, isOver: boolean): string {
+  const seconds = secondsText(waitingS);
+  if (isOver) return t('sensors.unsentOver', { seconds });
+  if (link.status === 'refused') return t('sensors.unsentRefused', { seconds });
+  return t(link.status === 'open' ? 'sensors.unsentSending' : 'sensors.unsentWaiting', { seconds });
+}
+
+function Sending({
+  network,
+  onSent,
+  onLook,
+}: {
+  network: StoredNetwork;
+  onSent: () => void;
+  /** Something else is left than before. */
+  onLook: () => void;
+}) {
   const [gateway, setGateway] = useState<BrowserGateway | null>(null);
   useEffect(() => {
-    const made = new BrowserGateway(network);
-    setGateway(made);
-    return () => made.close();
+    let made: BrowserGateway | undefined;
+    // Two windows that send for one session would take it from each other.
+    const end = inTurn(`sending.${network.sessionId}`, () => {
+      made = new BrowserGateway(network);
+      setGateway(made);
+    });
+    return () => {
+      made?.close();
+      end();
+    };
   }, [network]);
   const nothing = useCallback(() => () => undefined, []);
   const recorder = useSyncExternalStore(gateway?.subscribe ?? nothing, () => gateway?.getSnapshot().recorder ?? null);
   const isSent = recorder !== null && recorder.link.connections > 0 && recorder.waiting === 0;
+  const isTakenOver = recorder?.link.code === 'superseded';
   useEffect(() => {
-    if (isSent) onDone();
-  }, [isSent, onDone]);
+    if (isSent) onSent();
+  }, [isSent, onSent]);
+  useEffect(() => {
+    // A window that measures sends what is left with its own.
+    if (isTakenOver) void isTurnElsewhere().then((isElsewhere) => isElsewhere && onLook());
+  }, [isTakenOver, onLook]);
   if (!recorder || recorder.waiting === 0) return null;
-  const seconds = secondsText(recorder.waitingS);
   const { status, code } = recorder.link;
   const isOver = status === 'ended' || (status === 'refused' && (code === 'conflict' || code === 'not_found'));
   return (
     <section className="card sensor-unsent" data-waiting={recorder.waiting}>
       <h2>{t('sensors.unsent')}</h2>
-      <p role="status">
-        {isOver
-          ? t('sensors.unsentOver', { seconds })
-          : t(status === 'open' ? 'sensors.unsentSending' : 'sensors.unsentWaiting', { seconds })}
-      </p>
-      {status === 'refused' && !isOver && <p role="alert">{recorder.link.reason}</p>}
+      <p role="status">{words(recorder, isOver)}</p>
+      {status === 'refused' && !isOver && <p role="alert">{refusalWords(recorder.link)}</p>}
       {isOver && (
         <Confirm
           label={t('sensors.unsentDelete')}
           title={t('sensors.unsentDeleteTitle')}
           text={t('sensors.unsentDeleteText')}
           confirm={t('sensors.unsentDelete')}
-          onConfirm={() => void forget(network.sessionId).then(onDone)}
+          onConfirm={() => void forget(network.sessionId).then(onLook)}
         />
       )}
     </section>
   );
 }
 
-/** For the patient's first page; shows nothing while nothing is left. */
+/** For the patient's first page; shows nothing while nothing was left. */
 export default function Unsent() {
   const me = useSignedIn();
   const [looks, setLooks] = useState(0);
   const [left, setLeft] = useState<StoredNetwork[]>([]);
+  const [isSent, setSent] = useState(false);
   const again = useRef<ReturnType<typeof setTimeout>>(undefined);
   const look = useCallback(() => {
     clearTimeout(again.current);
@@ -93,10 +120,25 @@ export default function Unsent() {
       () => setLeft([]),
     );
   }, [me.account_id]);
+  const sent = useCallback(() => {
+    setSent(true);
+    look();
+  }, [look]);
   useEffect(() => {
     look();
     return () => clearTimeout(again.current);
   }, [look, looks]);
   useEffect(registerShell, []);
-  return left.map((one) => <Sending key={one.sessionId} network={one} onDone={look} />);
+  return (
+    <>
+      {left.map((one) => (
+        <Sending key={one.sessionId} network={one} onSent={sent} onLook={look} />
+      ))}
+      <div role="status" className={isSent && left.length === 0 ? undefined : 'visually-hidden'}>
+        {isSent && left.length === 0 && (
+          <Notice icon={<IconCircleCheckFilled size={22} aria-hidden />}>{t('sensors.unsentSent')}</Notice>
+        )}
+      </div>
+    </>
+  );
 }

@@ -34,6 +34,33 @@ export function giveUpTurn(): void {
   release = null;
 }
 
+/**
+ * Begin as soon as no other window does work of this name, at the latest when that one is closed; returns what ends it,
+ * also before it has begun.
+ */
+export function inTurn(work: string, begin: () => void): () => void {
+  const manager = locks();
+  if (!manager) {
+    begin();
+    return () => undefined;
+  }
+  const waiting = new AbortController();
+  let end = () => undefined as void;
+  manager
+    .request(`telemotion.${work}`, { signal: waiting.signal }, () => {
+      begin();
+      return new Promise<void>((done) => {
+        end = done;
+      });
+    })
+    // Ended before its turn came.
+    .catch(() => undefined);
+  return () => {
+    waiting.abort();
+    end();
+  };
+}
+
 /** Whether another window measures at this moment. */
 export async function isTurnElsewhere(): Promise<boolean> {
   if (release) return false;

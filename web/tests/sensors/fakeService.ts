@@ -17,6 +17,8 @@ export class FakeService {
   drop = new Set<number>();
   goodbye: number | null = null;
   state = 'recording';
+  /** What the next hello is answered with, and the connection closed. */
+  refusal: object | null = null;
 
   create = (): WebSocket => {
     const socket = new FakeIngestSocket(this);
@@ -75,7 +77,7 @@ class FakeIngestSocket {
       if (message.type === 'goodbye') this.#service.goodbye = message.last_sequence as number;
       else {
         this.#service.hellos.push(message);
-        this.say(this.#service.acknowledgement);
+        this.say(this.#service.refusal ?? this.#service.acknowledgement);
       }
       return;
     }

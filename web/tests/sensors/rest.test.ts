@@ -2,35 +2,16 @@
 import 'fake-indexeddb/auto';
 import { IDBFactory } from 'fake-indexeddb';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { FromWorker, ToWorker } from '../../src/sensors/gateway/messages';
-import { encodePacket, MOTION } from '../../src/sensors/gateway/packet';
-import { Recorder } from '../../src/sensors/gateway/recorder';
-import { PacketStore, type StoredNetwork } from '../../src/sensors/gateway/store';
 import { sendRest, setMeasuring, type Measuring } from '../../src/sensors/registry';
 import { answerOthers, sendRestElsewhere } from '../../src/sensors/rest';
 import { FakeService } from './fakeService';
-
-const network: StoredNetwork = {
-  sessionId: 's',
-  accountId: 'a',
-  placements: ['upper_arm_right'],
-  rateHz: 60,
-  device: 'phone',
-  next: 0,
-};
+import { leavePackets, leftOf, workWith } from './fakeWorker';
 
 let end: (() => void) | null = null;
 
 /** Another window that measures for a session. */
 function measures(settled: Measuring['settled'], sessionId = 's') {
   end = answerOthers({ sessionId, settled, stop: () => undefined });
-}
-
-async function leave(packets: number) {
-  const store = await PacketStore.open();
-  await store.declare(network);
-  for (let sequence = 0; sequence < packets; sequence += 1) await store.put('s', sequence, new Uint8Array([sequence]));
-  store.close();
 }
 
 beforeEach(() => {
@@ -42,50 +23,6 @@ afterEach(() => {
   setMeasuring(null);
   vi.unstubAllGlobals();
 });
-
-/** The worker of the page's gateway, in the page: jsdom has none. What it sends goes to this service. */
-function workWith(service: FakeService) {
-  vi.stubGlobal(
-    'Worker',
-    class {
-      onmessage: ((event: { data: FromWorker }) => void) | null = null;
-      #recorder: Recorder | null = null;
-      postMessage(message: ToWorker) {
-        if (message.type === 'begin') void this.#begin(message);
-        else if (message.type === 'close') void this.#recorder?.close();
-      }
-      async #begin({ network, url }: Extract<ToWorker, { type: 'begin' }>) {
-        const onState = () => {
-          if (this.#recorder) this.onmessage?.({ data: { type: 'state', state: this.#recorder.state } });
-        };
-        const { ticket, create } = service;
-        const store = await PacketStore.open();
-        this.#recorder = new Recorder({ network, url, store, ticket, create, random: () => 0, onState });
-        await this.#recorder.begin();
-      }
-    },
-  );
-}
-
-/** A window that is gone has left packets of half a second each. */
-async function leavePackets(count: number) {
-  const store = await PacketStore.open();
-  await store.declare(network);
-  for (let sequence = 0; sequence < count; sequence += 1) {
-    const values = new Float32Array(30 * 6).fill(sequence);
-    const deviceTimeUs = BigInt(500_000 * sequence);
-    const fields = { sequence, deviceTimeUs, tickIntervalUs: 16_667, sensors: 1, ticks: 30, channels: MOTION, values };
-    await store.put('s', sequence, encodePacket(fields));
-  }
-  store.close();
-}
-
-async function leftOf(): Promise<number> {
-  const store = await PacketStore.open();
-  const left = await store.count('s');
-  store.close();
-  return left;
-}
 
 describe('a second window that ends a session', () => {
   it('waits until the one that measures has sent all', async () => {
@@ -113,7 +50,7 @@ describe('a second window that ends a session', () => {
   });
 
   it('does not cut a window off that has something and does not answer', async () => {
-    await leave(2);
+    await leavePackets(2);
     vi.stubGlobal('navigator', {
       locks: { query: () => Promise.resolve({ held: [{ name: 'telemotion.measuring' }] }) },
     });

@@ -1,5 +1,6 @@
 // The page's handle on its gateway: one a session, whatever page of the session is shown.
 import { api, ApiError, socketUrl } from '../../api/client';
+import { words } from '../../i18n/sentence';
 import type { Sample } from './grid';
 import type { FromWorker, ToWorker } from './messages';
 import type { RecorderState } from './recorder';
@@ -11,6 +12,12 @@ export interface GatewaySnapshot {
   recorder: RecorderState | null;
   /** Why this browser cannot store at all. */
   broken: string;
+}
+
+/** The state with the service's words in the reader's language, which the worker does not know. */
+function inOurWords(state: RecorderState): RecorderState {
+  const { link } = state;
+  return { ...state, link: { ...link, reason: words(link.reason, link.sentence) } };
 }
 
 export class BrowserGateway {
@@ -68,7 +75,7 @@ export class BrowserGateway {
   }
 
   #take(message: FromWorker): void {
-    if (message.type === 'state') this.#say({ recorder: message.state });
+    if (message.type === 'state') this.#say({ recorder: inOurWords(message.state) });
     else if (message.type === 'broken') this.#say({ broken: message.reason });
     else void this.#ticket(message.number);
   }

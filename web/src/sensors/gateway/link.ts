@@ -1,5 +1,6 @@
 // A gateway's side of `/ws/ingest` in the browser: send what is stored, forget what is acknowledged, send again what is
 // missing. The rules are those of docs/packet.md; everything that is sent is read from the store of this device.
+import type { Sentence } from '../../i18n/sentence';
 import { backfilled } from './packet';
 import type { PacketStore, StoredNetwork } from './store';
 
@@ -9,8 +10,9 @@ export interface LinkState {
   status: LinkStatus;
   /** Code of the service's refusal. */
   code: string;
-  /** The service's own words for it. */
+  /** The service's own words for it, and what they say, for the reader's language. */
   reason: string;
+  sentence: Sentence | null;
   /** Everything up to and including this sequence is safe with the service. */
   acknowledged: number;
   /** Highest sequence that the service has. */
@@ -27,6 +29,8 @@ export interface LinkState {
 export interface Refusal {
   code: string;
   reason: string;
+  /** What the reason says; none where it is in the reader's language already. */
+  sentence?: Sentence | undefined;
 }
 
 export interface LinkOptions {
@@ -54,6 +58,7 @@ interface Fault {
   message: string;
   closing: boolean;
   details?: { reason?: string };
+  sentences?: { message?: Sentence };
 }
 
 const FIRST_WAIT_MS = 250;
@@ -70,8 +75,12 @@ const PASSING = new Set(['', 'offline', 'unavailable', 'too_many_attempts', 'lim
 const OVER = new Set(['closing', 'analysed', 'failed']);
 
 /** Another device that took over is a conflict as an ended session is one: the reason tells them apart. */
-function refusalOf({ code, message, details }: Fault): Refusal {
-  return { code: details?.reason === 'superseded' ? 'superseded' : code, reason: message };
+function refusalOf({ code, message, details, sentences }: Fault): Refusal {
+  return {
+    code: details?.reason === 'superseded' ? 'superseded' : code,
+    reason: message,
+    sentence: sentences?.message,
+  };
 }
 
 export class Link {
@@ -80,6 +89,7 @@ export class Link {
     status: 'connecting',
     code: '',
     reason: '',
+    sentence: null,
     acknowledged: -1,
     highest: -1,
     sessionState: '',
@@ -176,7 +186,7 @@ export class Link {
 
   #end(status: 'refused' | 'ended', refusal: Refusal): void {
     this.close();
-    this.#say({ status, code: refusal.code, reason: refusal.reason });
+    this.#say({ status, code: refusal.code, reason: refusal.reason, sentence: refusal.sentence ?? null });
   }
 
   #refused(refusal: Refusal): void {

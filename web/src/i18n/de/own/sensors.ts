@@ -61,10 +61,14 @@ export const sensors: Translated<typeof english> = {
   'sensors.silent': 'Das Telefon misst gerade nicht. Lassen Sie diese Seite im Vordergrund und den Bildschirm an.',
   'sensors.asleep':
     'Der Bildschirm kann hier dunkel werden, und dann wird nichts gemessen. Schalten Sie die automatische Sperre aus, solange Sie üben.',
-  'sensors.unsent': 'Auf diesem Gerät gespeichert, noch nicht gesendet',
+  'sensors.unsent': 'Noch nicht gesendet',
   'sensors.unsentSending': 'Von einer früheren Übung wird noch etwas an Ihre Praxis gesendet: {seconds}.',
   'sensors.unsentWaiting':
     'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Es wird gesendet, sobald eine Verbindung besteht.',
+  'sensors.unsentRefused':
+    'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Es lässt sich gerade nicht senden. Öffnen Sie diese Seite später noch einmal.',
+  'sensors.unsentSent': 'Was auf diesem Gerät gespeichert war, ist an Ihre Praxis gesendet. Es fehlt nichts.',
+  'sensors.takenOver': 'Für diese Übung misst jetzt ein anderes Gerät.',
   'sensors.elsewhere': 'Sie messen in einem anderen Fenster',
   'sensors.unsentOver':
     'Von einer früheren Übung kam etwas zu spät, sie ist schon zu Ende: {seconds}. Es bleibt auf diesem Gerät, bis Sie es löschen.',

@@ -50,13 +50,17 @@ export const sensors = {
   'sensors.silent': 'The phone does not measure at the moment. Keep this page in front and the screen on.',
   'sensors.asleep':
     'The screen may go dark here, and then nothing is measured. Switch off automatic locking while you exercise.',
-  'sensors.unsent': 'Saved on this device, not yet sent',
-  'sensors.unsentSending': '{seconds} of an earlier exercise are being sent to your clinic.',
+  'sensors.unsent': 'Not sent yet',
+  'sensors.unsentSending': 'Being sent to your clinic: {seconds} of movement from an earlier exercise.',
   'sensors.unsentWaiting':
-    '{seconds} of an earlier exercise are stored on this device. They are sent as soon as there is a connection.',
+    'Still on this device: {seconds} of movement from an earlier exercise. It is sent as soon as there is a connection.',
+  'sensors.unsentRefused':
+    'Still on this device: {seconds} of movement from an earlier exercise. It cannot be sent at the moment. Open this page again later.',
+  'sensors.unsentSent': 'What was stored on this device has been sent to your clinic. Nothing is missing.',
+  'sensors.takenOver': 'Another device is measuring for this exercise now.',
   'sensors.elsewhere': 'You are measuring in another window',
   'sensors.unsentOver':
-    '{seconds} of an earlier exercise came too late: it has ended. They stay on this device until you delete them.',
+    'Still on this device: {seconds} of movement from an earlier exercise. It came too late, as that exercise has ended. It stays here until you delete it.',
   'sensors.unsentDelete': 'Delete from this device',
   'sensors.unsentDeleteTitle': 'Delete what was not sent?',
   'sensors.unsentDeleteText': 'This part of your movement is then gone. The rest, which your clinic has, stays.',

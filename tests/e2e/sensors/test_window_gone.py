@@ -1,0 +1,102 @@
+"""A patient's window is gone in mid-exercise, and the link with it: what it measured is sent when she comes back."""
+
+from collections.abc import Callable
+
+import httpx
+import numpy as np
+import pytest
+from playwright.sync_api import Error, Page, expect
+
+from tests.e2e.conftest import Service, Visitor
+from tests.e2e.sensors import sensors_at_home as home
+from tests.e2e.sensors.broken_link import Relay
+from tests.e2e.sensors.evenings import go_on
+
+PLACEMENTS = ("upper_arm_right", "forearm_right")
+MOVING_S = 4.0
+BROKEN_S = 4.0
+LOST_TICKS = 12
+"""What may be in hand when a window goes: the packet that is being filled, and the radio's delay."""
+
+
+def close(page: Page) -> None:
+    page.close()
+
+
+def crash(page: Page) -> None:
+    with page.expect_event("crash"), pytest.raises(Error):
+        page.goto("chrome://crash")
+    page.close()
+
+
+def begin(page: Page, worn: home.Wearer) -> int:
+    """Put the sensors on and begin to move; returns by how many ticks that is later than in the recording."""
+    # Whoever stands still does so until the page has been pressed, on a busy machine too.
+    pose = [round(home.RATE_HZ), round((home.STILL_S - 1.0) * home.RATE_HZ)]
+    page.evaluate(
+        "one => emulateDots({rateHz: 60, ...one})",
+        {"samples": worn.samples.round(7).tolist(), "rests": [pose]},
+    )
+    page.get_by_role("button", name="Bluetooth sensors").click()
+    for place in ("Right upper arm", "Right forearm"):
+        page.get_by_role("button", name=f"Connect: {place}").click()
+    page.get_by_role("button", name="I am standing still").click()
+    page.get_by_role("button", name="Go", exact=True).click()
+    expect(page.get_by_test_id("line")).to_be_visible()
+    return go_on(page)
+
+
+@pytest.mark.parametrize("go", [close, crash])
+def test_what_a_window_left_is_sent_when_the_page_is_opened_again(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client, go: Callable[[Page], None]
+) -> None:
+    worn = home.wearer(PLACEMENTS, 40.0)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    behind = begin(page, worn)
+    page.wait_for_timeout(1000 * MOVING_S)
+    relay.break_link()
+    expect(page.locator(".sensor-status")).to_contain_text("will be sent later", timeout=8000)
+    page.wait_for_timeout(1000 * BROKEN_S)
+    first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
+    context = page.context
+    go(page)
+
+    # The pages come through again, measurements do not yet.
+    relay.mend()
+    relay.refuse(b"GET /ws/ingest")
+    again = Visitor(context.new_page(), relay.address)
+    again.page.set_viewport_size({"width": 390, "height": 844})
+    again.page.goto(relay.address)
+    left = again.page.locator(".sensor-unsent")
+    expect(left).to_contain_text("sent as soon as there is a connection")
+    waiting = int(left.get_attribute("data-waiting") or 0)
+    assert waiting * 6 >= BROKEN_S * home.RATE_HZ
+    assert again.page.evaluate(home.WAITING) == waiting
+    again.picture("left-on-the-device-390")
+
+    relay.mend()
+    expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible(timeout=20_000)
+    expect(left).to_have_count(0)
+    assert again.page.evaluate(home.WAITING) == 0
+    again.picture("left-was-sent-390")
+
+    again.page.get_by_role("link", name="Continue").click()
+    again.page.get_by_role("button", name="Stop", exact=True).click()
+    again.page.get_by_role("button", name="Finish for today").click()
+    expect(again.page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+    numbers, values = home.stored_samples(therapist, session_id)
+    # Every tick once, none left out, up to the moment in which the window went.
+    assert np.array_equal(numbers, np.arange(numbers[0], numbers[0] + numbers.size))
+    assert numbers[-1] >= int(first) + int(emitted) - LOST_TICKS
+    # And it is the movement: each sensor's values as they were, later by the quickest message of its radio.
+    moved = numbers - int(first) - behind
+    shown = moved > home.STILL_S * home.RATE_HZ
+    assert shown.sum() > BROKEN_S * home.RATE_HZ
+    for sensor in range(len(PLACEMENTS)):
+        stored, felt = values[shown, sensor, 0], worn.samples[:, sensor, 0]
+        error = home.best_error(moved[shown], stored, felt)
+        print(f"sensor {sensor}: 99 % within {np.quantile(error, 0.99):.4f} of {np.ptp(stored):.2f} rad/s")
+        assert np.quantile(error, 0.99) < 0.05 < 0.1 * np.ptp(stored)
+    assert again.faults_outside_the_view() == []
