@@ -222,6 +222,12 @@ class Settings(BaseSettings):
         le=60,
         description="A worker that is not heard of for so long loses its partitions.",
     )
+    drain_seconds: float = Field(
+        default=20.0,
+        ge=0,
+        le=3600,
+        description="An edge that is stopped sends gateways and views to others within so long, one after the other.",
+    )
     stream_replicas: int = Field(
         default=1,
         ge=1,

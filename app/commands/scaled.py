@@ -38,7 +38,7 @@ def edge(host: str, port: int) -> None:
     with listen(host, port) as listener:
         lock = shared_lock(settings.database_url, "telemotion edge", f"{host}:{port}")
         make_private(settings)
-        run_application(settings, create_edge(settings, lock), listener)
+        run_application(settings, create_edge(settings, lock), listener, settings.drain_seconds)
 
 
 def worker(host: str, port: int) -> None:

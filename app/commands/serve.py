@@ -1,5 +1,6 @@
 """`telemotion serve`: the service in one process."""
 
+import asyncio
 import contextlib
 import errno
 import logging
@@ -17,6 +18,7 @@ from app.commands.private_folder import make_private
 from app.database import migrate
 from app.database.writer_lock import WriterLock, writer_lock
 from app.errors import Conflict, InvalidInput
+from app.network.pace import pause_s
 from app.settings import Settings
 
 logger = logging.getLogger("telemotion.service")
@@ -99,7 +101,43 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
     run_application(settings, create_app(settings, lock=lock), listener)
 
 
-def run_application(settings: Settings, app: ASGIApp, listener: socket.socket) -> None:
+class DrainingServer(uvicorn.Server):
+    """Sends who is connected away one after the other when it is asked to stop, where there are others to go to.
+
+    Whoever loses a connection connects again at once, and each costs another edge a moment of work: tickets, rights,
+    the session's answer. All at once, the last would wait there for all of them, and longer the more there are.
+
+    Parameters
+    ----------
+    config : uvicorn.Config
+    seconds : float
+        Longest time for it; 0 ends all at once.
+    """
+
+    def __init__(self, config: uvicorn.Config, seconds: float) -> None:
+        super().__init__(config)
+        self._seconds = seconds
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Let nobody in any more, send everybody away, and close the application."""
+        from app.network.lean_sockets import LeanSocket
+
+        for server in self.servers:
+            server.close()
+        for one in sockets or []:
+            one.close()
+        connected = [one for one in self.server_state.connections if isinstance(one, LeanSocket)]
+        pause = pause_s(len(connected), self._seconds)
+        for socket_ in connected:
+            if self.force_exit or not pause:
+                break
+            if socket_.is_open:
+                socket_.shutdown()
+                await asyncio.sleep(pause)
+        await super().shutdown(sockets)
+
+
+def run_application(settings: Settings, app: ASGIApp, listener: socket.socket, drain_s: float = 0.0) -> None:
     """Serve an application until asked to stop.
 
     Parameters
@@ -108,6 +146,8 @@ def run_application(settings: Settings, app: ASGIApp, listener: socket.socket) -
     app : ASGIApp
     listener : socket
         From `listen`.
+    drain_s : float
+        In which who is connected is sent to others when it stops, see `DrainingServer`.
 
     Raises
     ------
@@ -122,7 +162,7 @@ def run_application(settings: Settings, app: ASGIApp, listener: socket.socket) -
     from app.edge.slow_senders import timed_headers
     from app.network.lean_sockets import LeanSocket
 
-    server = uvicorn.Server(
+    server = DrainingServer(
         uvicorn.Config(
             app,
             ws=LeanSocket,
@@ -135,7 +175,8 @@ def run_application(settings: Settings, app: ASGIApp, listener: socket.socket) -
             timeout_graceful_shutdown=10,
             server_header=False,
             forwarded_allow_ips=settings.trusted_proxies,
-        )
+        ),
+        drain_s,
     )
     with contextlib.suppress(KeyboardInterrupt):
         server.run(sockets=[listener])

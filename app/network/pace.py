@@ -8,6 +8,9 @@ from typing import Final
 
 BURST_S: Final = 20.0
 """So much of signal is taken at any speed: what a short break of the link held up."""
+PAUSE_S: Final = 0.2
+"""Between one who is sent to another edge and the next, where the time is enough: as long as that edge needs for one on
+a busy machine."""
 
 
 class Pace:
@@ -45,4 +48,16 @@ class Pace:
         return (level_s - self._burst_s) / self._speed if level_s > self._burst_s else 0.0
 
 
-__all__ = ["BURST_S", "Pace"]
+def pause_s(connections: int, seconds: float) -> float:
+    """Return how long to wait after each of some connections so that all are ended in time.
+
+    Parameters
+    ----------
+    connections : int
+    seconds : float
+        In which all of them are to be ended.
+    """
+    return min(PAUSE_S, seconds / max(connections, 1))
+
+
+__all__ = ["BURST_S", "PAUSE_S", "Pace", "pause_s"]

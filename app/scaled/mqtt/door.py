@@ -19,6 +19,7 @@ from app.ingest.websocket import IngestConnection
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.network.mqtt import connection_name, subject
+from app.network.pace import pause_s
 from app.scaled.broker import Broker
 from app.scaled.mqtt.callout import EDGES, Callout
 from app.scaled.mqtt.configuration import issuer_of
@@ -62,11 +63,21 @@ class MqttDoor:
         As of `IngestConnection`.
     most : int
         Connections at once.
+    drain_s : float
+        In which gateways are sent to other edges at the end, one after the other.
     """
 
-    def __init__(self, broker: Broker, sink: PacketSink, callout: Callout, speed: float, most: int) -> None:
+    def __init__(
+        self,
+        broker: Broker,
+        sink: PacketSink,
+        callout: Callout,
+        speed: float,
+        most: int,
+        drain_s: float = 0.0,
+    ) -> None:
         self._broker, self._sink, self._callout = broker, sink, callout
-        self._speed, self._most = speed, most
+        self._speed, self._most, self._drain_s = speed, most, drain_s
         self._served: dict[str, tuple[MqttLink, asyncio.Task[None]]] = {}
         self._hellos: Any = None
         self._forget: Callable[[], None] = lambda: None
@@ -90,8 +101,11 @@ class MqttDoor:
             await self._callout.stop()
             await self._hellos.unsubscribe()
         served = list(self._served.values())
-        for link, _ in served:
-            link.lose(Unavailable(say("live.stopping"), reason="stopping"))
+        pause = pause_s(len(served), self._drain_s)
+        for link, task in served:
+            if not task.done():
+                link.lose(Unavailable(say("live.stopping"), reason="stopping"))
+                await asyncio.sleep(pause)
         if served:
             await asyncio.wait([task for _, task in served], timeout=END_S)
         with contextlib.suppress(nats.errors.Error):
@@ -160,7 +174,8 @@ def open_door(settings: Settings, engine: Engine, broker: Broker, sink: PacketSi
 
     longest_s = settings.session_limit_hours * 3600.0
     callout = Callout(broker, issuer_of(settings), is_open, longest_s)
-    return MqttDoor(broker, sink, callout, settings.stream_speed, settings.limit_streams.service)
+    most = settings.limit_streams.service
+    return MqttDoor(broker, sink, callout, settings.stream_speed, most, settings.drain_seconds)
 
 
 __all__ = ["MqttDoor", "OwnSession", "open_door"]
