@@ -114,7 +114,7 @@ class Report(msgspec.Struct, array_like=True, tag=1):
 
 
 class ToEdge(msgspec.Struct, array_like=True):
-    """What a worker sends an edge together."""
+    """What a worker sends an edge of a partition; what it has of several goes in one message."""
 
     partition: int
     fencing: int
@@ -158,7 +158,7 @@ class Answer(msgspec.Struct, array_like=True):
 
 encode: Final = msgspec.msgpack.Encoder().encode
 decode_entries: Final = msgspec.msgpack.Decoder(list[Entry]).decode
-decode_to_edge: Final = msgspec.msgpack.Decoder(ToEdge).decode
+decode_to_edge: Final = msgspec.msgpack.Decoder(list[ToEdge]).decode
 decode_here: Final = msgspec.msgpack.Decoder(Here).decode
 decode_question: Final = msgspec.msgpack.Decoder(Look | Request).decode
 decode_published: Final = msgspec.msgpack.Decoder(list[Published]).decode

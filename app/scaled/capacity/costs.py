@@ -30,10 +30,10 @@ class Costs:
         To take up one session: its checkpoint and the packets since.
     """
 
-    edge_ms: float = 11.0
-    broker_ms: float = 5.3
-    worker_ms: float = 16.9
-    database_ms: float = 1.4
+    edge_ms: float = 6.2
+    broker_ms: float = 2.4
+    worker_ms: float = 10.1
+    database_ms: float = 1.0
     most_busy: float = 0.6
     stream_bytes_s: float = 31_000.0
     raw_bytes_s: float = 10_500.0

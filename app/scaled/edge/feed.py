@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import logging
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import Final
 
 import nats
@@ -14,6 +15,7 @@ from app.scaled.broker import Broker
 from app.scaled.edge.intake import EdgeIntake
 from app.scaled.wire import (
     Here,
+    Published,
     Report,
     decode_to_edge,
     encode,
@@ -78,19 +80,21 @@ class FeedBus(MemoryBus):
 
     async def _hear(self, message: Msg) -> None:
         try:
-            sent = decode_to_edge(message.data)
-            if sent.fencing < self._fencing.get(sent.partition, 0):
-                return
-            self._fencing[sent.partition] = sent.fencing
-            for item in sent.items:
-                if isinstance(item, Report):
-                    intake = self.intakes.get(item.connection)
-                    if intake is not None:
-                        intake.hear(item)
-                elif self.has_listeners(item.topic):
-                    self.publish(item.topic, unpack_message(item))
+            for sent in decode_to_edge(message.data):
+                if sent.fencing >= self._fencing.get(sent.partition, 0):
+                    self._fencing[sent.partition] = sent.fencing
+                    self._take(sent.items)
         except Exception:
             logger.exception("a message of a worker is not understood")
+
+    def _take(self, items: Sequence[Published | Report]) -> None:
+        for item in items:
+            if isinstance(item, Report):
+                intake = self.intakes.get(item.connection)
+                if intake is not None:
+                    intake.hear(item)
+            elif self.has_listeners(item.topic):
+                self.publish(item.topic, unpack_message(item))
 
     async def _taken(self, message: Msg) -> None:
         partition = int(message.subject.rpartition(".")[2])

@@ -20,6 +20,7 @@ from app.scaled.broker import Broker
 from app.scaled.wire import partition_of
 from app.scaled.worker.leases import Leases
 from app.scaled.worker.partition import Ask, Partition
+from app.scaled.worker.post import Post
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.schemas import Schema
 from app.sentences import say
@@ -42,6 +43,7 @@ class Worker(SteeredSide):
     def __init__(self, broker: Broker, engine: Engine, shared: OfWorker, name: str) -> None:
         super().__init__(engine, MemoryBus())
         self._broker, self._shared, self._name = broker, shared, name
+        self._post = Post(broker)
         self._ask: Ask | None = None
         self.partitions: dict[int, Partition] = {}
         self.leases = Leases(broker, name, self, shared.settings.lease_seconds)
@@ -49,18 +51,22 @@ class Worker(SteeredSide):
     async def start(self, ask: Ask) -> None:
         """Begin to hold partitions; requests of edges are answered by `ask`."""
         self._ask = ask
+        self._post.start()
         await self.leases.start()
 
     async def stop(self) -> None:
         """Give every partition back."""
         await self.leases.stop()
+        self._post.stop()
         self.end_checks()
 
     async def take(self, partition: int) -> None:
         """Begin to hold a partition."""
         assert self._ask is not None
         refused = partial(self.leases.fenced, partition)
-        held = Partition(partition, self._broker, self.engine, self._shared, self._name, refused, self._ask)
+        held = Partition(
+            partition, self._broker, self.engine, self._shared, self._post, self._name, refused, self._ask
+        )
         try:
             await held.take()
         except BaseException:

@@ -1,22 +1,14 @@
-"""From the sessions of a partition to the edges that want to hear of them: one message an edge and turn."""
+"""From the sessions of a partition to the edges that want to hear of them."""
 
-import asyncio
-import logging
 import time
 from typing import Any, Final
 
-import nats
-
 from app.live.bus import MemoryBus
-from app.scaled.broker import Broker
-from app.scaled.wire import Here, Published, Report, ToEdge, encode, pack_message, subject
-
-logger = logging.getLogger(__name__)
+from app.scaled.wire import Here, Published, Report, pack_message
+from app.scaled.worker.post import Post
 
 FORGET_S: Final = 3.0
 """An edge that says nothing for so long wants nothing any more."""
-MOST_PENDING: Final = 8 << 20
-"""Bytes that wait for the broker; beyond it views go without frames."""
 _FRAMES: Final = ("blocks", "frames")
 
 
@@ -26,15 +18,13 @@ class _Wish:
     def __init__(self, outlet: "Outlet", edge: str) -> None:
         self.topics: tuple[str, ...] = ()
         self.edge, self.heard_s = edge, time.monotonic()
-        self.items: list[Published | Report] = []
         self._outlet = outlet
 
     def put(self, topic: str, message: Any) -> bool:
         """Take a message; False when frames are left out because the broker is behind."""
         if topic.endswith(_FRAMES) and self._outlet.is_behind:
             return False
-        self.items.append(pack_message(topic, message))
-        self._outlet.flush_soon()
+        self._outlet.send(self.edge, pack_message(topic, message))
         return True
 
 
@@ -43,26 +33,24 @@ class Outlet:
 
     Parameters
     ----------
-    broker : Broker
+    post : Post
     bus : MemoryBus
         Of the partition.
     partition, fencing : int
     """
 
-    def __init__(self, broker: Broker, bus: MemoryBus, partition: int, fencing: int) -> None:
-        self._broker, self._bus, self._partition, self._fencing = broker, bus, partition, fencing
+    def __init__(self, post: Post, bus: MemoryBus, partition: int, fencing: int) -> None:
+        self._post, self._bus, self._partition, self._fencing = post, bus, partition, fencing
         self._wishes: dict[str, _Wish] = {}
-        self._wake = asyncio.Event()
-        self._task = asyncio.create_task(self._send(), name="outlet")
 
     @property
     def is_behind(self) -> bool:
         """Whether much waits for the broker."""
-        return not self._broker.client.is_connected or self._broker.client.pending_data_size > MOST_PENDING
+        return self._post.is_behind
 
-    def flush_soon(self) -> None:
-        """Send what was gathered once the present turn is over."""
-        self._wake.set()
+    def send(self, edge: str, item: Published | Report) -> None:
+        """Send an edge something once the present turn is over."""
+        self._post.put(edge, self._partition, self._fencing, item)
 
     def hear(self, here: Here) -> None:
         """Take note of what an edge wants."""
@@ -76,9 +64,9 @@ class Outlet:
 
     def report(self, edge: str, report: Report) -> None:
         """Send a gateway's connection a report."""
-        wish = self._wishes.get(edge) or self._wish(edge)
-        wish.items.append(report)
-        self.flush_soon()
+        if edge not in self._wishes:
+            self._wish(edge)
+        self.send(edge, report)
 
     def _wish(self, edge: str) -> _Wish:
         wish = self._wishes.get(edge)
@@ -105,22 +93,10 @@ class Outlet:
                 self._bus.remove(wish)
                 del self._wishes[edge]
 
-    async def _send(self) -> None:
-        while True:
-            await self._wake.wait()
-            self._wake.clear()
-            for wish in list(self._wishes.values()):
-                items, wish.items = wish.items, []
-                if items:
-                    message = encode(ToEdge(self._partition, self._fencing, items))
-                    try:
-                        await self._broker.client.publish(subject("to", wish.edge), message)
-                    except nats.errors.Error as error:
-                        logger.warning("%d messages for views lost: %s", len(items), type(error).__name__)
-
     def close(self) -> None:
-        """Send nothing more."""
-        self._task.cancel()
+        """Hear nothing more."""
+        for wish in self._wishes.values():
+            self._bus.remove(wish)
 
 
 __all__ = ["Outlet"]

@@ -28,6 +28,7 @@ from app.scaled.worker.ending import end
 from app.scaled.worker.entries import Entries
 from app.scaled.worker.marks import Marks
 from app.scaled.worker.outlet import Outlet
+from app.scaled.worker.post import Post
 from app.scaled.worker.questions import Questions
 from app.scaled.worker.reader import read
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
@@ -35,6 +36,9 @@ from app.scaled.worker.sessions import OfWorker, PartitionSessions
 logger = logging.getLogger(__name__)
 
 CHECKPOINT_S: Final = 2.0
+COMMIT_S: Final = 0.5
+"""Longest time until an event is stored. Packets and frames are stored at checkpoints, all sessions in one commit: they
+are acknowledged already, and a commit costs as much for one session as for ten."""
 TURN_S: Final = 0.25
 SOURCE_TURNS: Final = 20
 """Turns from one look at the safety of magnetic sources to the next."""
@@ -55,6 +59,7 @@ class Partition:
     engine : Engine
         Of this worker, not fenced.
     shared : OfWorker
+    post : Post
     worker : str
         Name of the worker's connections to the database.
     refused : callable()
@@ -70,12 +75,13 @@ class Partition:
         broker: Broker,
         engine: Engine,
         shared: OfWorker,
+        post: Post,
         worker: str,
         refused: Callable[[], None],
         ask: Ask,
     ) -> None:
         self.number, self._broker, self._engine, self._shared = number, broker, engine, shared
-        self._worker, self._refused, self._ask = worker, refused, ask
+        self._post, self._worker, self._refused, self._ask = post, worker, refused, ask
         self.sessions: PartitionSessions
         self.position = 0
         """Of the stream, read."""
@@ -96,7 +102,7 @@ class Partition:
             loop.call_soon_threadsafe(self._fenced_off)
 
         engine = self._fenced = fenced(self._engine, Fence(self.number, fencing, refused))
-        self._writer = GroupCommitWriter(engine)
+        self._writer = GroupCommitWriter(engine, commit_interval_s=COMMIT_S, chunk_s=2.0 * CHECKPOINT_S)
         self._writer.start()
         bus = MemoryBus()
 
@@ -106,7 +112,7 @@ class Partition:
                 forget(session, session_id)
 
         self.sessions = PartitionSessions(engine, self._writer, bus, analyse, self._drain, self._shared)
-        self._outlet = Outlet(self._broker, bus, self.number, fencing)
+        self._outlet = Outlet(self._post, bus, self.number, fencing)
         self.connections = Connections(self.sessions, self._outlet)
         self._entries = Entries(self.sessions, self.connections, self._outlet, engine, self._shared)
         self._is_set_up = True

@@ -8,6 +8,7 @@ consumer would deliver again what was not acknowledged behind what came later, w
 import asyncio
 import logging
 import time
+from collections import deque
 from collections.abc import AsyncIterator
 from typing import Final
 
@@ -24,7 +25,6 @@ HEARTBEAT_S: Final = 0.5
 SILENCE_S: Final = 1.6
 ANSWER_S: Final = 1.0
 AGAIN_S: Final = 0.2
-WAITING_BYTES: Final = 64 << 20
 
 
 async def read(broker: Broker, partition: int, position: int) -> AsyncIterator[tuple[int, bytes, int]]:
@@ -60,8 +60,15 @@ async def read(broker: Broker, partition: int, position: int) -> AsyncIterator[t
 async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterator[tuple[int, bytes, int]]:
     """Yield until a message is missing or the server is silent."""
     client, inbox = broker.client, broker.client.new_inbox()
-    subscription = await client.subscribe(inbox, pending_bytes_limit=WAITING_BYTES)
-    name = None
+    messages: deque[Msg] = deque()
+    came, name = asyncio.Event(), None
+
+    # The client's own waiting for the next message makes two tasks for each; the server's flow control bounds these.
+    async def hear(message: Msg) -> None:
+        messages.append(message)
+        came.set()
+
+    subscription = await client.subscribe(inbox, cb=hear)
     waking: set[asyncio.Task[None]] = set()
 
     def wake() -> None:
@@ -86,7 +93,11 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
             made = await broker.streams.add_consumer(stream_name(partition), config)
         name, expected = made.name, 1
         while True:
-            message: Msg = await subscription.next_msg(timeout=SILENCE_S)
+            if not messages:
+                came.clear()
+                async with asyncio.timeout(SILENCE_S):
+                    await came.wait()
+            message = messages.popleft()
             if message.headers and message.headers.get("Status") == "100":
                 wanted = message.reply or message.headers.get("Nats-Consumer-Stalled")
                 if wanted:

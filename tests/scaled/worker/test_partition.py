@@ -26,7 +26,7 @@ def partition() -> Partition:
     """One that holds no session and has read a few messages."""
     broker, ask = MagicMock(), AsyncMock()
     broker.streams.purge_stream = AsyncMock()
-    made = Partition(3, broker, MagicMock(), MagicMock(), "own", Mock(), ask)
+    made = Partition(3, broker, MagicMock(), MagicMock(), MagicMock(), "own", Mock(), ask)
     parts: Any = made
     parts.sessions, parts.connections = MagicMock(sessions=[], closed=AsyncMock()), MagicMock()
     parts._entries = MagicMock(is_behind=False, taken=lambda position: position)
