@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators._kernels import Scalars3
 from estimators.kernels import borrowing
 
 Float = NDArray[np.float64]
@@ -115,15 +116,22 @@ def shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
 
 
 @borrowing()
-def hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> bool:
-    """Z-X-Y angles of elbow or wrist into `angle[0:3]`; returns whether they are near the singularity."""
+def cardan(r: Float) -> Scalars3:
+    """Return a, b and c of r = Ry(a) Rx(b) Rz(c)."""
     m12 = 2.0 * (r[2] * r[3] - r[0] * r[1])
-    flexion = -math.atan2(2.0 * (r[1] * r[3] + r[0] * r[2]), 1.0 - 2.0 * (r[1] * r[1] + r[2] * r[2]))
+    forward = math.atan2(2.0 * (r[1] * r[3] + r[0] * r[2]), 1.0 - 2.0 * (r[1] * r[1] + r[2] * r[2]))
     across = math.atan2(
         -m12, math.hypot(2.0 * (r[1] * r[2] + r[0] * r[3]), 1.0 - 2.0 * (r[1] * r[1] + r[3] * r[3]))
     )
     turn = math.atan2(2.0 * (r[1] * r[2] + r[0] * r[3]), 1.0 - 2.0 * (r[1] * r[1] + r[3] * r[3]))
-    angle[0] = _near(flexion, previous[0], FLEXION_CENTRE_RAD)
+    return forward, across, turn
+
+
+@borrowing()
+def hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> bool:
+    """Z-X-Y angles of elbow or wrist into `angle[0:3]`; returns whether they are near the singularity."""
+    forward, across, turn = cardan(r)
+    angle[0] = _near(-forward, previous[0], FLEXION_CENTRE_RAD)
     angle[1] = carrying_sign * across
     angle[2] = _near(turn, previous[2], PRONATION_CENTRE_RAD)
     return 0.5 * math.pi - abs(across) < SINGULAR_MARGIN_RAD

@@ -79,7 +79,7 @@ def model_lengths(body: BodyDimensions) -> Float:
 
 
 class ArmModel:
-    """Trunk and one or two arms, moved by the orientations of the worn segments.
+    """Trunk and arms, moved by the orientations of the worn segments.
 
     The pelvis stands at the origin; the thorax turns about the hip centre (upright when no sternum sensor is
     worn); a shoulder sensor turns its clavicle about the neck, else the clavicle goes with the thorax; a
@@ -101,15 +101,16 @@ class ArmModel:
     Raises
     ------
     SetupError
-        If no upper arm is worn, a placement is given twice, or lengths or the time step are impossible.
+        If neither sternum nor upper arm is worn, a placement is given twice, or lengths or the time step are
+        impossible.
     """
 
     def __init__(self, body: BodyDimensions, placements: Sequence[Placement], time_step_s: float) -> None:
         worn = tuple(placements)
         if len(set(worn)) != len(worn):
             raise SetupError(f"a placement occurs twice in {worn}; each sensor needs its own")
-        if not {"upper_arm_left", "upper_arm_right"} & set(worn):
-            raise SetupError(f"the arm model needs an upper arm sensor on at least one side; worn: {worn}")
+        if not {"sternum", "upper_arm_left", "upper_arm_right"} & set(worn):
+            raise SetupError(f"the arm model needs a sensor on the sternum or an upper arm; worn: {worn}")
         if not 0.0 < time_step_s < 1.0:
             raise SetupError(f"time_step_s is {time_step_s}; it must lie between 0 and 1 s")
         self.body = body
@@ -140,6 +141,7 @@ class ArmModel:
         sigma_room_rad: Float | None = None,
         previous_angle_rad: Float | None = None,
         more_points: int = 0,
+        more_angles: int = 0,
         more_scalars: int = 0,
     ) -> ArmResult:
         """Turn segment orientations into joint centres, joint angles and scalars.
@@ -157,7 +159,7 @@ class ArmModel:
             angle sigmas are NaN.
         previous_angle_rad : ndarray, shape (18,), optional
             `ArmResult.previous_angle_rad` of the ticks before, so that any chunking gives the same bits.
-        more_points, more_scalars : int
+        more_points, more_angles, more_scalars : int
             Columns left empty behind those of the model, for whoever has more to say of these ticks.
 
         Returns
@@ -169,7 +171,8 @@ class ArmModel:
         ShapeError
             If an array does not fit the placements.
         """
-        ticks, segments, angles = q_room_segment.shape[0], len(self.placements), len(self.angles)
+        ticks, segments = q_room_segment.shape[0], len(self.placements)
+        angles = len(self.angles) + more_angles
         q = _array("q_room_segment", q_room_segment, (ticks, segments, 4))
         omega = _optional("angular_velocity_room_radps", angular_velocity_room_radps, (ticks, segments, 3))
         sigma = _optional("sigma_room_rad", sigma_room_rad, (ticks, segments, 3))

@@ -206,9 +206,18 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "channel.elbow_z": "Ellbogen nach oben",
     "channel.elevation": "Schulterelevation",
     "channel.forearm_pronation": "Unterarmpronation",
+    "channel.ankle_flexion": "Dorsalextension des Sprunggelenks",
+    "channel.ankle_inversion": "Inversion des Sprunggelenks",
+    "channel.ankle_rotation": "Innenrotation des Fußes",
     "channel.hand_x": "Hand nach vorn",
     "channel.hand_y": "Hand nach links",
     "channel.hand_z": "Hand nach oben",
+    "channel.hip_abduction": "Hüftabduktion",
+    "channel.hip_flexion": "Hüftflexion",
+    "channel.hip_rotation": "Hüftinnenrotation",
+    "channel.knee_abduction": "Knieabduktion",
+    "channel.knee_flexion": "Knieflexion",
+    "channel.knee_rotation": "Knieinnenrotation",
     "channel.plane_of_elevation": "Elevationsebene der Schulter",
     "channel.shoulder_hike": "Schulterhochzug",
     "channel.trunk_forward_lean": "Rumpfneigung nach vorn",
@@ -232,13 +241,13 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Es wurden {count:number} brauchbare Wiederholungen gefunden. Zeichnen Sie mindestens zwei"
         " auf, besser fünf, mit einer kurzen Ruhe dazwischen.",
     },
-    "compare.no_signal": "Seite {side:side}: Weder das Handgelenk noch ein Ellbogen- oder Schulterwinkel wurde"
-    " gemessen. Oberarm- und Unterarmsensor anlegen und kalibrieren.",
+    "compare.no_signal": "Seite {side:side}: Kein Gelenkwinkel und kein Handgelenk wurde gemessen. Sensoren ober-"
+    " und unterhalb des Gelenks anlegen und kalibrieren.",
     "compare.not_measured": "{channel:channel}: nicht gemessen. Wählen Sie eines von: {channels:channel|or}.",
     "compare.not_stored": "Diese Bytes sind nicht, was gespeichert sein sollte ({kind:stored}).",
     "compare.other_version": "Gespeichertes ({kind:stored}) hat eine andere Form ({version}), als dieses"
     " Programm liest ({known}). Aktualisieren Sie das Programm.",
-    "compare.side_not_measured": "Arm {side:side}: In dieser Aufzeichnung wurde nichts davon gemessen. Sensoren"
+    "compare.side_not_measured": "Seite {side:side}: In dieser Aufzeichnung wurde nichts davon gemessen. Sensoren"
     " anlegen und kalibrieren, oder die andere Seite vergleichen.",
     "comparison.done": "Verglichene Wiederholungen: {kept} von {all}.",
     "comparison.no_template": "Es ist keine Vorlage verordnet, deshalb gab es keinen Vergleich.",

@@ -15,7 +15,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "repetition.opposite": "In die entgegengesetzte Richtung bewegt wie die anderen.",
     "repetition.other_movement": "Eine andere Bewegung als die, die gemacht werden sollte.",
     "repetition.shorter": "Viel kürzer als die anderen: {duration_s:s.1} statt etwa {usual_s:s.1}.",
-    "repetition.unlike": "Anders als die übrigen: Der Arm bewegte sich auf einem anderen Weg.",
+    "repetition.unlike": "Anders als die übrigen: Die Bewegung nahm einen anderen Weg.",
     "result.no_frames": "Dieses Ergebnis enthält keine Bewegungsdaten; werten Sie die Sitzung zuerst aus.",
     "result.no_movement": "Dieses Ergebnis enthält noch keine Bewegung; warten Sie, bis seine Auswertung fertig"
     " ist.",
@@ -52,8 +52,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "session.parameter_type": "Eine Einstellung des Schätzverfahrens hat einen Wert der falschen Art.",
     "session.pose_found": "Kalibrierhaltung in der Aufzeichnung gefunden.",
     "session.pose_outside": "Die Haltung von {start_s:s.1} bis {end_s:s.1} liegt nicht in der Aufzeichnung.",
-    "setup.arm_needs": "Arme und Rumpf brauchen einen Sensor an einem Oberarm oder Unterarm, oder am Rumpf und"
-    " an beiden Oberschenkeln.",
+    "setup.arm_needs": "Arme, Rumpf und Beine brauchen einen Sensor an einem Oberarm oder Unterarm, oder Sensoren"
+    " ober- und unterhalb einer Hüfte, eines Knies oder eines Sprunggelenks, oder am Rumpf und an beiden"
+    " Oberschenkeln.",
     "setup.balance_needs": "Ein Gleichgewichtstest braucht einen Sensor am Becken, an der Brust oder an beiden,"
     " und keine anderen.",
     "setup.bursts_need": "Eine Aufzeichnung von Pulsgruppen braucht Magnetometer und Spulenzustände (Bits 2 und"

@@ -1,4 +1,4 @@
-"""The arm pipeline: trunk, one or two arms, and whatever else is worn."""
+"""The arm pipeline: trunk, arms, legs, and whatever else is worn."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -12,6 +12,7 @@ from estimators.body import HIP_HEIGHT_PER_STATURE
 from estimators.calibration import DeviceCalibration, FunctionalResult
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
+from estimators.leg import LegModel
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, SessionSetup
 from estimators.pipelines._network import NetworkPipeline
@@ -25,11 +26,11 @@ _HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
 
 
 class ArmPipeline(NetworkPipeline):
-    """Sensors on sternum, upper arm, forearm and hand to posture, joint angles and compensation.
+    """Sensors on trunk, arms and legs to posture, joint angles and compensation.
 
-    Any subset with an upper arm or a forearm works, or trunk and thighs: what the worn sensors cannot tell is not in
-    the layout.
-    Further sensors (head, pelvis, legs) become segments with an orientation. Until the patient was
+    Any subset with an upper arm or a forearm works, or both segments of a joint of a leg, or trunk and thighs: what
+    the worn sensors cannot tell is not in the layout.
+    Further sensors (head, a single one on a leg) become segments with an orientation. Until the patient was
     calibrated the segments show the sensors' own motion, flagged CONVERGING and HEADING_NOT_TRUSTED, and
     angles, points and scalars are NaN, flagged INVALID.
 
@@ -46,37 +47,45 @@ class ArmPipeline(NetworkPipeline):
     """
 
     name: ClassVar[str] = "arm"
-    version: ClassVar[str] = "1"
-    title: ClassVar[str] = "Arms and trunk"
+    version: ClassVar[str] = "2"
+    title: ClassVar[str] = "Arms, trunk and legs"
     axes: ClassVar[str] = (
         "room: z up, x where the patient faced in the calibration pose, y to the patient's left"
     )
     needs_pose: ClassVar[bool] = True
     takes_estimator: ClassVar[bool] = True
 
+    @classmethod
+    def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:
+        """Return the sensors that are used; legs are not left out where no arm is worn: they are what was recorded."""
+        has_arm = any(name.startswith(("upper_arm", "forearm")) for name in placements)
+        return super().used(placements, with_legs=with_legs or not has_arm)
+
     def __init__(self, setup: SessionSetup) -> None:
         unknown = [name for name in setup.placements if name not in PLACEMENTS]
         if unknown:
             raise SetupError(say("setup.unknown_placement", unknown=unknown, places=list(PLACEMENTS)))
         weighs = has_mass_centre(setup.placements)
-        if not weighs and not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
+        self._legs = LegModel(setup.placements)
+        has_arm = any(name.startswith(("upper_arm", "forearm")) for name in setup.placements)
+        if not (has_arm or weighs or self._legs.angles):
             raise SetupError(say("setup.arm_needs"))
         super().__init__(setup)
-        has_upper_arm = any(name.startswith("upper_arm") for name in setup.placements)
         # A forearm alone has no joint to measure and hangs from nothing: it stays a segment.
-        self._model = (
-            ArmModel(setup.body, setup.placements, self._network.time_step_s) if has_upper_arm else None
-        )
+        moves = any(name.startswith(("upper_arm", "sternum")) for name in setup.placements)
+        self._model = ArmModel(setup.body, setup.placements, self._network.time_step_s) if moves else None
         headings = JointHeadings(setup.placements, self._network.time_step_s)
         self._headings = headings if setup.constrain_joint_headings and headings.names else None
         self._previous_angle_rad = ArmModel.initial_previous()
         self._mass = WornMassCentre(setup.placements, setup.body) if weighs else None
-        points = self._model.points if self._model else ("pelvis",) if weighs else ()
+        self._is_body = self._model is not None or weighs or bool(self._legs.angles)
+        points = self._model.points if self._model else ("pelvis",) if self._is_body else ()
+        angles = self._model.angles if self._model else ()
         scalars = self._model.scalars if self._model else ()
         self._layout = FrameLayout(
             segments=tuple(setup.placements),
             points=(*points, MASS_POINT) if weighs else points,
-            angles=self._model.angles if self._model else (),
+            angles=(*angles, *self._legs.angles),
             scalars=(*scalars, *MASS_SCALARS) if weighs else scalars,
         )
 
@@ -85,14 +94,23 @@ class ArmPipeline(NetworkPipeline):
         _, q_room_segment, omega, sigma, flags = self._network.step(chunk)
         if not self._network.is_calibrated:
             return self._nothing(chunk, q_room_segment, None, flags)
-        if self._model is None and self._mass is None:
+        if not self._is_body:
             return self._nothing(chunk, q_room_segment, None, flags)
         if self._model is None:
             frames = self._nothing(chunk, q_room_segment, sigma, flags)
             frames.point_room_m[:, 0] = (0.0, 0.0, HIP_HEIGHT_PER_STATURE * self.setup.body.stature_m)
         else:
             frames = self._with_arms(chunk, self._model, q_room_segment, omega, sigma, flags)
-        if self._mass is not None and frames.segment_sigma_rad is not None:
+        assert frames.segment_sigma_rad is not None
+        self._legs.write(
+            frames.q_room_segment,
+            frames.segment_sigma_rad,
+            flags,
+            frames.angle_rad,
+            frames.angle_sigma_rad,
+            frames.angle_flags,
+        )
+        if self._mass is not None:
             self._mass.write(
                 frames.q_room_segment, frames.segment_sigma_rad, flags, frames.point_room_m, frames.scalar
             )
@@ -139,6 +157,7 @@ class ArmPipeline(NetworkPipeline):
             sigma_room_rad=sigma,
             previous_angle_rad=self._previous_angle_rad,
             more_points=0 if self._mass is None else 1,
+            more_angles=len(self._legs.angles),
             more_scalars=0 if self._mass is None else len(MASS_SCALARS),
         )
         self._previous_angle_rad = found.previous_angle_rad

@@ -55,6 +55,7 @@ class ArmPool:
             model._columns.angle,
             model._columns.scalar,
             _NONE if mass is None else mass._source,
+            like._legs._table,
         )
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
         self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)

@@ -11,6 +11,7 @@ from estimators.arm._kernel import Filled, Segments, evaluate_kernel
 from estimators.balance.mass_centre._worn_kernel import mass_centre
 from estimators.compiling import compiled
 from estimators.kernels import VOID, Record, bundle, rows, step
+from estimators.leg._kernel import LEG_TABLE, leg_kernel
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._screen import _FIELD, _SAMPLE, _judge
 from estimators.orientation._strapdown_steps import Estimates, Ticks
@@ -51,7 +52,7 @@ ROWS: Final = bundle(
     _F2,
     _F2,
 )
-TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1)
+TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1, LEG_TABLE)
 WORK: Final = bundle(ArmWork, _F1, _F1, _F1, _F1, _F1, _F1, _F1, _U1, _U1, _U1)
 COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
 
@@ -139,7 +140,7 @@ def _remember(
 def _move_arms(
     slot: int, step_s: float, r: ArmRows, tables: ArmTables, omega: Float, start: int, stop: int, out: Columns
 ) -> None:
-    """Write points, angles, scalars and the centre of mass of the rows from `start` to `stop`."""
+    """Write points, angles, scalars, those of the legs and the centre of mass of the rows from `start` to `stop`."""
     evaluate_kernel(
         Segments(
             out.q_room_segment[start:stop],
@@ -160,6 +161,16 @@ def _move_arms(
             out.angle_flags[start:stop],
         ),
     )
+    if tables.legs.segment.shape[0] > 0:
+        leg_kernel(
+            out.q_room_segment[start:stop],
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
+            tables.legs,
+            out.angle_rad[start:stop],
+            out.angle_sigma_rad[start:stop],
+            out.angle_flags[start:stop],
+        )
     if tables.mass_source.shape[0] > 0:
         mass_centre(
             out.q_room_segment[start:stop],

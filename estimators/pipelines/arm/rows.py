@@ -9,6 +9,7 @@ from estimators.arm import ArmModel
 from estimators.balance import MASS_SCALARS
 from estimators.balance.mass_centre._worn_kernel import SETTINGS, TARGETS
 from estimators.kernels import record
+from estimators.leg._kernel import LegTable
 from estimators.orientation._screen import MEMORY
 from estimators.orientation.telemotion._records import STATE, STATES
 from estimators.recording import Float
@@ -91,6 +92,8 @@ class ArmTables(NamedTuple):
         Of the arm model.
     mass_source : ndarray of int64
         Of the centre of mass; empty where the sensors worn give none.
+    legs : LegTable
+        Without joints where the sensors worn show none of a leg.
     """
 
     channels: int
@@ -100,6 +103,7 @@ class ArmTables(NamedTuple):
     angle_column: NDArray[np.int64]
     scalar_column: NDArray[np.int64]
     mass_source: NDArray[np.int64]
+    legs: LegTable
 
 
 class ArmWork(NamedTuple):

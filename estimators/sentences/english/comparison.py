@@ -10,7 +10,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "repetition.opposite": "Moved in the opposite direction to the others.",
     "repetition.half_way": "Stopped half way: {share:percent} of the usual movement.",
     "repetition.other_movement": "Another movement than the one that was to be done.",
-    "repetition.unlike": "Unlike the others: the arm moved along another path.",
+    "repetition.unlike": "Unlike the others: the movement took another path.",
     "findings.none_found": "No clear repetitions were found in this session.",
     "findings.none_used": "Repetitions were found, but all were excluded; the reason stands beside each.",
     "findings.matched": "The movement matched the template within what can be measured.",
@@ -89,10 +89,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "measure.unlike_length": "Undefined: the repetitions differ by {rms_m:cm} from their mean, too much for a"
     " movement of {extent_m:cm}.",
     "measure.straight_path": "The path is straight: how far it is turned about itself cannot be known.",
-    "compare.side_not_measured": "Nothing of the {side:side} arm was measured in this recording. Wear and calibrate"
+    "compare.side_not_measured": "Nothing of the {side:side} side was measured in this recording. Wear and calibrate"
     " its sensors, or compare the other side.",
-    "compare.no_signal": "Neither the wrist nor an elbow or shoulder angle was measured on the {side:side} side."
-    " Wear and calibrate an upper arm and a forearm sensor.",
+    "compare.no_signal": "No joint angle and no wrist was measured on the {side:side} side. Wear and calibrate the"
+    " sensors above and below the joint.",
     "compare.few_repetitions": {
         "one": "Only one usable repetition was found. Record at least two, better five, with a short rest between"
         " them.",

@@ -8,7 +8,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "setup.rate": "The rate is {rate_hz:hz.1}; it must lie between 10 and 1000 Hz.",
     "setup.unknown_placement": "Placements that do not exist: {unknown:and}. Use one of {places:place|or}.",
     "setup.balance_needs": "A balance test needs a sensor on the pelvis, on the chest, or on both, and no others.",
-    "setup.arm_needs": "Arms and trunk need a sensor on an upper arm or a forearm, or on the trunk and both thighs.",
+    "setup.arm_needs": "Arms, trunk and legs need a sensor on an upper arm or a forearm, or sensors above and below a"
+    " hip, knee or ankle, or on the trunk and both thighs.",
     "setup.unknown_pipeline": "There is no pipeline {name}. Use one of {known:or}.",
     "setup.missing_sensors": "The recording lacks sensors: {missing:place}. It has {worn:place}.",
     "setup.source_sensor": "A session with a magnetic source needs the source and at least one sensor, each at its"

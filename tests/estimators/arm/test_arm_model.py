@@ -204,7 +204,7 @@ def test_columns_follow_the_placements():
 
 def test_impossible_setups_are_refused_in_words():
     with pytest.raises(SetupError, match="upper arm"):
-        ArmModel(BodyDimensions(), ("sternum", "hand_left"), 0.01)
+        ArmModel(BodyDimensions(), ("head", "hand_left"), 0.01)
     with pytest.raises(SetupError, match="twice"):
         ArmModel(BodyDimensions(), ("upper_arm_left", "upper_arm_left"), 0.01)
     with pytest.raises(SetupError, match="time_step_s"):

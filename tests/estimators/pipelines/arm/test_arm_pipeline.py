@@ -124,6 +124,8 @@ def test_close_to_truth(session, ticks):
         ("forearm_left",),
         ("forearm_left", "hand_left"),
         ("upper_arm_right", "hand_right"),
+        ("thigh_left", "shank_left"),
+        ("foot_right", "sternum", "shank_right", "pelvis"),
         PLACEMENTS,
     ],
     ids=lambda worn: f"{len(worn)}:{worn[0]}",
@@ -140,6 +142,9 @@ def test_any_sensible_placements(simulate, worn):
             "thorax": ["upper_arm"],
             "humerus": ["upper_arm", "forearm"],
             "forearm": ["forearm", "hand"],
+            "pelvis": ["thigh"],
+            "thigh": ["thigh", "shank"],
+            "shank": ["shank", "foot"],
         }
         assert all(f"{part}_{side}" in worn for part in needed[name.split("_")[0]])
     if {"upper_arm_right", "forearm_right"} <= set(worn):

@@ -15,6 +15,7 @@ from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 TICKS = 1200
 ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
+LEG = ("sternum", "pelvis", "thigh_left", "shank_left", "foot_left")
 
 
 def session(placements: tuple[str, ...], seed: int) -> tuple[SessionSetup, ImuChunk]:
@@ -82,7 +83,7 @@ def assert_same(one: Frames, other: Frames) -> None:
             assert values.tobytes() == getattr(other, name).tobytes(), name
 
 
-@pytest.mark.parametrize("placements", [ARM, PLACEMENTS], ids=["arm", "body"])
+@pytest.mark.parametrize("placements", [ARM, PLACEMENTS, LEG], ids=["arm", "body", "leg"])
 def test_bits_of_sessions_that_change_between_both_ways(placements: tuple[str, ...]) -> None:
     random = np.random.default_rng(3)
     sessions = [session(placements, seed) for seed in (1, 2)]
