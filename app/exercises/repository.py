@@ -18,6 +18,7 @@ from app.sentences import say
 from estimators.arm import MODEL_ANGLES
 from estimators.comparison import TRUNK_CHANNELS
 from estimators.gait import GUIDED_KINDS
+from estimators.leg import LEG_ANGLES
 
 NO_SUCH_PRESCRIPTION = say("prescription.not_found")
 
@@ -119,13 +120,13 @@ def _require_staff(subject: Subject) -> None:
 
 
 def joint_angles(side: str) -> list[str]:
-    """Return the names of the joint angles of one arm.
+    """Return the names of the joint angles of one side, of arm and leg.
 
     Parameters
     ----------
     side : {"left", "right"}
     """
-    return [name for name in MODEL_ANGLES if f"_{side}_" in name]
+    return [name for name in (*MODEL_ANGLES, *LEG_ANGLES) if f"_{side}_" in name]
 
 
 def list_prescriptions(

@@ -10,18 +10,6 @@
 
 from estimators.comparison._activity import moving_time
 from estimators.comparison._bands import FREE, Knot, NamedPhase, ToleranceCurve
-from estimators.comparison._channels import (
-    TRUNK_CHANNELS,
-    ArmChannels,
-    arm_channels,
-    channel_label,
-    channel_name,
-    channel_unit,
-    mirror_template,
-    mirror_trajectory,
-    mirrored_name,
-    trajectory,
-)
 from estimators.comparison._codec import (
     comparison_from_bytes,
     comparison_to_bytes,
@@ -41,6 +29,10 @@ from estimators.comparison._contract import (
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import measure_label, measure_unit, measures_beside
 from estimators.comparison._template import build_template, near, phase_curves
+from estimators.comparison.channels.mirror import mirror_template, mirror_trajectory, mirrored_name
+from estimators.comparison.channels.names import channel_label, channel_name, channel_unit
+from estimators.comparison.channels.sided import TRUNK_CHANNELS, SideChannels, side_channels
+from estimators.comparison.channels.trajectory import trajectory
 from estimators.comparison.measures.of_session import TOGETHER
 from estimators.comparison.repetitions import find_repetitions
 
@@ -49,17 +41,16 @@ __all__ = [
     "PHASES",
     "TOGETHER",
     "TRUNK_CHANNELS",
-    "ArmChannels",
     "ComparisonResult",
     "Knot",
     "Measure",
     "NamedPhase",
     "Repetition",
     "RepetitionResult",
+    "SideChannels",
     "Template",
     "ToleranceCurve",
     "Trajectory",
-    "arm_channels",
     "build_template",
     "channel_label",
     "channel_name",
@@ -79,6 +70,7 @@ __all__ = [
     "moving_time",
     "near",
     "phase_curves",
+    "side_channels",
     "template_from_bytes",
     "template_to_bytes",
     "trajectory",

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from estimators.comparison._alignment import align, apply, resample
 from estimators.comparison._beside import beside_template
-from estimators.comparison._channels import ArmChannels, arm_channels, mirror_template
 from estimators.comparison._contract import (
     PHASES,
     ComparisonResult,
@@ -26,6 +25,8 @@ from estimators.comparison._measures import (
     summarise,
 )
 from estimators.comparison._template import align_timing, alignment_scale, near, phase_curves
+from estimators.comparison.channels.mirror import mirror_template
+from estimators.comparison.channels.sided import SideChannels, side_channels
 from estimators.comparison.measures.of_session import likeness_measures
 from estimators.comparison.repetitions import counted_repetitions, find_repetitions
 from estimators.errors import SetupError
@@ -119,14 +120,14 @@ class Comparison:
     reach_m: float
 
     @cached_property
-    def own(self) -> ArmChannels:
+    def own(self) -> SideChannels:
         """The arm in the person's own size."""
-        return arm_channels(self.source, self.template.side)
+        return side_channels(self.source, self.template.side)
 
     @cached_property
-    def scaled(self) -> ArmChannels:
+    def scaled(self) -> SideChannels:
         """The arm in the size of the template's person."""
-        return arm_channels(self.source, self.template.side, self.template.reach_m / self.reach_m)
+        return side_channels(self.source, self.template.side, self.template.reach_m / self.reach_m)
 
     @cached_property
     def turning(self) -> bool:
@@ -173,7 +174,7 @@ def is_turning(template: Template) -> bool:
     return len(path) == 0 or bool(np.ptp(path, axis=0).max() <= SMALLEST_PATH * template.reach_m)
 
 
-def _on_template_channels(arm: ArmChannels, template: Template) -> Float:
+def _on_template_channels(arm: SideChannels, template: Template) -> Float:
     """Put the patient's curves in the order of the template, NaN where not measured."""
     measured = phase_curves(arm)
     curves = np.full((PHASES, len(template.channels)), np.nan)
@@ -183,7 +184,7 @@ def _on_template_channels(arm: ArmChannels, template: Template) -> Float:
     return curves
 
 
-def _phase_sigma(arm: ArmChannels, template: Template) -> Float:
+def _phase_sigma(arm: SideChannels, template: Template) -> Float:
     """Sensor uncertainty per phase and template channel, shape (101, C); NaN where unknown.
 
     Near the singularity of its sequence an angle is many times less certain than in the rest of the movement.
@@ -198,7 +199,7 @@ def _phase_sigma(arm: ArmChannels, template: Template) -> Float:
     return sigma
 
 
-def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
+def _channel_sigma(arm: SideChannels, template: Template) -> Float:
     """Typical sensor uncertainty per template channel, shape (C,); NaN where unknown."""
     sigma = np.full(len(template.channels), np.nan)
     for column, name in enumerate(template.channels):
@@ -258,8 +259,8 @@ def difference_score(
         Root mean square over the warped repetitions and channels; 1 means 10 degrees or 10 percent of the
         reach. Symmetric in the two repetitions.
     """
-    one = arm_channels(first, side, 1.0 / first_reach_m).cut(first_repetition)
-    two = arm_channels(second, side, 1.0 / second_reach_m).cut(second_repetition)
+    one = side_channels(first, side, 1.0 / first_reach_m).cut(first_repetition)
+    two = side_channels(second, side, 1.0 / second_reach_m).cut(second_repetition)
     shared = tuple(name for name in one.channels if name in two.channels)
     first_curves = phase_curves(one)[:, [one.channels.index(name) for name in shared]]
     second_curves = phase_curves(two)[:, [two.channels.index(name) for name in shared]]

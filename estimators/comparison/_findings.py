@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from estimators.comparison._channels import channel_name, channel_unit, is_compensation
 from estimators.comparison._contract import Measure, RepetitionResult, Template
 from estimators.comparison._outside import Outside, outside_band
+from estimators.comparison.channels.names import channel_name, channel_unit, tells_movement
+from estimators.comparison.channels.sided import is_compensation
 from estimators.sentences import CATALOGUE, Sentence, say
 
 _MOST = 3
@@ -89,7 +90,7 @@ def _in_some(
     """Say which repetitions had a fault that all of them together do not show for certain."""
     primary = f"range:{template.primary_channel}"
     names = [f"compensation:{name}" for name in template.channels if is_compensation(name)]
-    found = []
+    found: list[Sentence] = []
     for name in (*names, primary, "duration"):
         together = _difference(name, retained, summary, template)
         if name.partition(":")[2] in template.watched or (together is not None and together.certainty >= 1):
@@ -101,8 +102,9 @@ def _in_some(
             and _is_fault(name, difference)
             and difference.certainty >= 1
         ]
-        if odd:
-            found.append(_odd_ones(name, odd))
+        # Slower and faster ones are two faults.
+        parts = ([one for one in odd if (one[1].excess > 0) == is_more] for is_more in (True, False))
+        found.extend(_odd_ones(name, part) for part in parts if part)
     return found
 
 
@@ -196,9 +198,7 @@ def _range(
         is_primary = channel == template.primary_channel
         if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_RANGE_RAD:
             continue
-        if not is_primary and not channel.endswith(
-            ("_yxy_elevation", "_forearm_left_zxy_flexion", "_forearm_right_zxy_flexion", "_zxy_pronation")
-        ):
+        if not is_primary and not tells_movement(channel):
             continue
         if not is_primary and difference.reference < 2 * _LEAST_RANGE_RAD and difference.excess < 0:
             continue

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimators.comparison._alignment import align, apply, resample
-from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import PHASES, Repetition, Trajectory
 from estimators.comparison._posture import posture
+from estimators.comparison.channels.sided import fill_gaps
 from estimators.comparison.repetitions.cycles_kernel import walk
 from estimators.recording import Float
 from estimators.sentences import say

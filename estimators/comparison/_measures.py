@@ -5,13 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from estimators.comparison._channels import (
-    ArmChannels,
-    channel_label,
-    channel_unit,
-    fill_gaps,
-    is_compensation,
-)
 from estimators.comparison._contract import Measure, Repetition, Template, Trajectory
 from estimators.comparison._smoothness import (
     UNIT_RISE_MPS,
@@ -21,6 +14,8 @@ from estimators.comparison._smoothness import (
     spectral_arc_length,
     spectral_arc_length_uncertainty,
 )
+from estimators.comparison.channels.names import channel_label, channel_unit
+from estimators.comparison.channels.sided import SideChannels, fill_gaps, is_compensation
 from estimators.comparison.measures.of_repetition import (
     coordination_measures,
     stroke_measures,
@@ -44,6 +39,8 @@ PATH_SMOOTHING_S = 0.02
 limit; a tremor of 5 Hz keeps 82 percent of its size."""
 SMALLEST_PATH = 0.10
 """Share of the reach below which the hand did not travel: path and speed then describe turning."""
+
+_ABOVE_THE_HAND = ("thorax_humerus", "humerus_forearm")
 
 _LABELS = {one.name: one.label for one in MEASURES if one.part == "repetition"}
 
@@ -134,7 +131,7 @@ class SpeedProfile:
     is_turning: bool
 
 
-def hand_travel(arm: ArmChannels, side: str) -> Float | None:
+def hand_travel(arm: SideChannels, side: str) -> Float | None:
     """Wrist relative to the shoulder, shape (N, 3), m; None when it was not measured."""
     axes = [arm.column(f"wrist_{side}.{axis}") for axis in "xyz"]
     if any(axis is None or not np.isfinite(axis).any() for axis in axes):
@@ -142,14 +139,14 @@ def hand_travel(arm: ArmChannels, side: str) -> Float | None:
     return fill_gaps(np.stack([axis for axis in axes if axis is not None], axis=1))[0]
 
 
-def hand_travels(arm: ArmChannels, side: str, reach_m: float) -> bool:
+def hand_travels(arm: SideChannels, side: str, reach_m: float) -> bool:
     """Tell whether the hand moves far enough for its path and speed to mean something."""
     path = hand_travel(arm, side)
     return path is not None and bool(np.ptp(path, axis=0).max() > SMALLEST_PATH * reach_m)
 
 
 def speed_profile(
-    source: Trajectory, arm: ArmChannels, side: str, primary: str, turning: bool
+    source: Trajectory, arm: SideChannels, side: str, primary: str, turning: bool
 ) -> SpeedProfile | None:
     """Return the speed during one repetition.
 
@@ -185,7 +182,7 @@ def speed_profile(
 
 def repetition_measures(
     source: Trajectory,
-    arm: ArmChannels,
+    arm: SideChannels,
     repetition: Repetition,
     side: str,
     reach_m: float,
@@ -198,7 +195,7 @@ def repetition_measures(
     ----------
     source : Trajectory
         Of the session, for the hand's speed.
-    arm : ArmChannels
+    arm : SideChannels
         Cut to the repetition, unscaled (metres of the person measured).
     side : {"left", "right"}
     reach_m : float
@@ -239,7 +236,7 @@ def repetition_measures(
     return measures
 
 
-def _extents(arm: ArmChannels) -> list[Measure]:
+def _extents(arm: SideChannels) -> list[Measure]:
     """Return the range of every angle, and of everything that shows compensation."""
     found = []
     for column, channel in enumerate(arm.channels):
@@ -268,7 +265,7 @@ def _extent(values: Float, sigma: Float) -> tuple[float, float]:
     return float(values[high] - values[low]), float(np.hypot(sigma[high], sigma[low]))
 
 
-def position_sigma(arm: ArmChannels, reach_m: float) -> float:
+def position_sigma(arm: SideChannels, reach_m: float) -> float:
     """Return the standard deviation of the hand's place along an axis, m; NaN where unknown.
 
     Where the places carry their own it is the root of their mean square. Otherwise it is estimated as that of a hand at
@@ -285,7 +282,7 @@ def position_sigma(arm: ArmChannels, reach_m: float) -> float:
         sigma = arm.sigma[:, column]
         if name.endswith("_yxy_plane_of_elevation") and elevation:
             angular.append(sigma * np.abs(np.sin(arm.values[:, arm.channels.index(elevation[0])])))
-        elif name.endswith(("_zxy_flexion", "_yxy_elevation")) and "forearm_hand" not in name:
+        elif name.endswith(("_zxy_flexion", "_yxy_elevation")) and name.startswith(_ABOVE_THE_HAND):
             angular.append(sigma)
     if not angular:
         return float("nan")

@@ -4,8 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from estimators.comparison._channels import TRUNK_CHANNELS, check_side, other_side
 from estimators.comparison._contract import Trajectory
+from estimators.comparison.channels.mirror import check_side, other_side
+from estimators.comparison.channels.sided import TRUNK_CHANNELS
 from estimators.errors import ComparisonError
 from estimators.recording import Float
 from estimators.sentences import say

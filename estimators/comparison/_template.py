@@ -6,10 +6,11 @@ import numpy as np
 import scipy
 
 from estimators.comparison._alignment import Alignment, align, apply, resample
-from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_channels, channel_name
 from estimators.comparison._contract import PHASES, Repetition, Template, Trajectory
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import hand_travels, repetition_measures, summarise
+from estimators.comparison.channels.names import channel_name, tells_movement
+from estimators.comparison.channels.sided import TRUNK_CHANNELS, SideChannels, side_channels
 from estimators.comparison.measures.of_session import likeness_measures
 from estimators.errors import ComparisonError, SetupError
 from estimators.recording import Float
@@ -17,11 +18,11 @@ from estimators.sentences import say
 
 COVERAGE = 0.90
 """Share of the therapist's own further repetitions that the band should hold."""
-FLOOR_ARM_RAD = 0.087
+FLOOR_LIMB_RAD = 0.087
 FLOOR_TRUNK_RAD = 0.052
 FLOOR_REACH = 0.05
 """Smallest half width of the band: what putting the sensors on anew and calibrating changes by itself
-(5 degrees in arm angles, 3 in trunk lean, 5 percent of the reach in positions)."""
+(5 degrees in angles of a limb, 3 in trunk lean, 5 percent of the reach in positions)."""
 _SPREAD_WINDOW = 11
 
 
@@ -80,7 +81,7 @@ def build_template(
     retained = [r for r in judged if r.is_kept]
     if len(retained) < 2:
         raise ComparisonError(say("compare.few_repetitions", count=len(retained)))
-    arm = arm_channels(source, side)
+    arm = side_channels(source, side)
     if primary_channel not in arm.channels:
         raise ComparisonError(
             say(
@@ -122,7 +123,7 @@ def build_template(
     )
 
 
-def phase_curves(cut: ArmChannels) -> Float:
+def phase_curves(cut: SideChannels) -> Float:
     """Return one repetition over 101 phases, shape (101, C)."""
     return resample(cut.time_s, cut.values, PHASES)
 
@@ -149,13 +150,10 @@ def alignment_scale(channels: tuple[str, ...], tolerance: Float) -> Float:
     Angles with a singularity, fine wrist movement and the trunk (compensation is judged, not followed)
     are left out; of the positions only the wrist counts, as elbow and hand follow from it and the angles.
     """
-    steering = ("_zxy_flexion", "_zxy_pronation", "_yxy_elevation")
     scale = np.full(len(channels), np.nan)
     for column, name in enumerate(channels):
         finite = tolerance[:, column][np.isfinite(tolerance[:, column])]
-        if len(finite) and (
-            (name.endswith(steering) and "forearm_hand" not in name) or name.startswith("wrist_")
-        ):
+        if len(finite) and (tells_movement(name) or name.startswith("wrist_")):
             scale[column] = np.median(finite)
     return scale
 
@@ -184,7 +182,7 @@ def _extent(curves: Float) -> tuple[Float, Float]:
 
 def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Float]:
     """Mean and spread over repetitions after alignment, on the mean pace, each shape (101, C)."""
-    unit = np.tile([FLOOR_REACH if "." in name else FLOOR_ARM_RAD for name in channels], (PHASES, 1))
+    unit = np.tile([FLOOR_REACH if "." in name else FLOOR_LIMB_RAD for name in channels], (PHASES, 1))
     scale = alignment_scale(channels, unit)
     if not np.isfinite(scale).any():
         scale = unit[0]
@@ -227,11 +225,11 @@ def resample_at(position: Float, values: Float, target: Float) -> Float:
     return result
 
 
-def _floor(channel: str, arm: ArmChannels, reach_m: float) -> float:
+def _floor(channel: str, arm: SideChannels, reach_m: float) -> float:
     """Smallest half width of the band of a channel."""
     if "." in channel or channel.endswith("_m"):
         return FLOOR_REACH * reach_m
-    least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_ARM_RAD
+    least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_LIMB_RAD
     sigma = arm.sigma[:, arm.channels.index(channel)]
     sigma = sigma[np.isfinite(sigma)]
     two_sided = float(scipy.stats.t.ppf(0.5 + COVERAGE / 2, 1e6))

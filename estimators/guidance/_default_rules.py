@@ -7,6 +7,7 @@ import numpy as np
 from estimators.errors import SetupError
 from estimators.guidance._contract import GuidanceTemplate
 from estimators.guidance._rules import CueRule, CueSide, StopRule
+from estimators.leg import lower_segment
 from estimators.sentences import Sentence, say
 
 SENTENCES: Final[dict[str, Sentence]] = {
@@ -77,8 +78,10 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
             )
             for side, sentence in planes
         ]
+    # An arm is helped by a trunk that leans forward, a leg by one that leans back as well.
+    leaning: CueSide = "both" if lower_segment(ready.main) else "above"
     compensation: tuple[tuple[str, float, str, CueSide], ...] = (
-        ("trunk_lean_forward_rad", np.radians(8.0), "guidance.sit_tall", "above"),
+        ("trunk_lean_forward_rad", np.radians(8.0), "guidance.sit_tall", leaning),
         ("trunk_lean_lateral_rad", np.radians(7.0), "guidance.sit_tall", "both"),
         (f"shoulder_hike_{ready.side}_m", 0.025, "guidance.shoulder_down", "above"),
     )

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Final, Literal
 
-from estimators.comparison._channels import changes_sign, mirrored_name
+from estimators.comparison.channels.mirror import changes_sign, mirrored_name
 from estimators.guidance._rules import CueRule, CueSide, StopRule
 
 _CUE_ACROSS: Final[dict[CueSide, CueSide]] = {"below": "above", "both": "both", "above": "below"}

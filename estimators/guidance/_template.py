@@ -8,8 +8,10 @@ import scipy
 from numpy.typing import NDArray
 
 from estimators.comparison import PHASES, Template, Trajectory, mirror_template
-from estimators.comparison._channels import TRUNK_CHANNELS, check_side
-from estimators.comparison._template import FLOOR_ARM_RAD, FLOOR_REACH, FLOOR_TRUNK_RAD, is_angle
+from estimators.comparison._template import FLOOR_LIMB_RAD, FLOOR_REACH, FLOOR_TRUNK_RAD, is_angle
+from estimators.comparison.channels.mirror import check_side
+from estimators.comparison.channels.names import tells_movement
+from estimators.comparison.channels.sided import TRUNK_CHANNELS
 from estimators.conventions import Side
 from estimators.errors import SetupError
 from estimators.guidance._contract import GuidanceTemplate
@@ -25,16 +27,15 @@ _PROMINENCE: Final = 0.3
 _LEVEL: Final = 0.02
 """Share of the range within which a hold is level."""
 _SINGULAR: Final = ("_yxy_plane_of_elevation", "_yxy_axial_rotation")
-_STEERING: Final = ("_zxy_flexion", "_zxy_pronation", "_yxy_elevation", "_lean_forward_rad")
-_FOLLOWING: Final = ("forearm_hand", "shoulder_hike", "elbow", "hand_")
-"""What follows from other channels, or moves too little: wrist angles, hikes, and points but for the wrist."""
+_FOLLOWING: Final = ("elbow", "hand_")
+"""Points that follow from the wrist and the angles."""
 
 
 def steers(channel: str) -> bool:
     """Say whether a channel may tell the phase: not singular angles, and nothing that shows compensation."""
-    if channel in TRUNK_CHANNELS or channel.endswith(_SINGULAR) or channel.startswith(_FOLLOWING):
-        return False
-    return channel.endswith(_STEERING) or "." in channel
+    if channel.endswith("_lean_forward_rad"):
+        return channel not in TRUNK_CHANNELS
+    return tells_movement(channel) or ("." in channel and not channel.startswith(_FOLLOWING))
 
 
 def prepare_template(
@@ -137,7 +138,7 @@ def _by_channel(curves: Float, columns: NDArray[np.intp]) -> Float:
 def _floor(channel: str, reach_m: float) -> float:
     if "." in channel or channel.endswith("_m"):
         return FLOOR_REACH * reach_m
-    return FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_ARM_RAD
+    return FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_LIMB_RAD
 
 
 def _targets(main: Float) -> tuple[Float, Float]:

@@ -17,6 +17,8 @@ _DRIVERS: Final[dict[str, tuple[str, str]]] = {
     "upper_arm": ("flexion", "elevation"),
     "forearm": ("pronation", "flexion"),
     "hand": ("wrist_flexion", "pronation"),
+    "thigh": ("knee_flexion", "hip_flexion"),
+    "shank": ("ankle_flexion", "knee_flexion"),
 }
 """Which coordinates move the skin under a sensor: the muscles below it, and the joint next to it."""
 _NEUTRAL_RAD: Final = {"pronation": 0.5 * np.pi}
@@ -42,7 +44,7 @@ def soft_tissue_turn(
     Returns
     -------
     Turn or None
-        None where nothing moves the skin (head, pelvis and legs stand still here).
+        None where nothing moves the skin (head, pelvis and feet).
 
     Notes
     -----

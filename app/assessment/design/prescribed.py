@@ -14,6 +14,7 @@ from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.models import Patient
 from app.recordings.models import MotionSession
 from estimators.conventions import Side
+from estimators.leg import lower_segment
 from estimators.pipelines import SessionSetup
 
 
@@ -86,7 +87,7 @@ def prescribed_version(session: Session, found: MotionSession) -> str | None:
 
 
 def exercise_side(session: Session, found: MotionSession, measured: frozenset[str]) -> Side:
-    """Return the arm of the exercise; if it carries no sensor and the other does, the other.
+    """Return the side of the exercise; if its arm or leg carries no sensor and the other does, the other.
 
     Parameters
     ----------
@@ -98,7 +99,8 @@ def exercise_side(session: Session, found: MotionSession, measured: frozenset[st
     named = exercise.side if exercise is not None else patient.affected_side
     side: Side = "left" if named == "left" else "right"
     other: Side = "right" if side == "left" else "left"
-    if f"upper_arm_{side}" not in measured and f"upper_arm_{other}" in measured:
+    limb = (lower_segment(exercise.primary_angle) if exercise is not None else "") or "upper_arm"
+    if f"{limb}_{side}" not in measured and f"{limb}_{other}" in measured:
         return other
     return side
 

@@ -24,15 +24,15 @@ from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators.comparison import (
-    ArmChannels,
     Repetition,
+    SideChannels,
     Template,
-    arm_channels,
     build_template,
     find_repetitions,
     judge_repetitions,
     near,
     phase_curves,
+    side_channels,
     template_to_bytes,
 )
 from estimators.errors import EstimationError
@@ -90,7 +90,7 @@ def build(
         )
     except EstimationError as error:
         raise InvalidInput(error.message) from error
-    arm = arm_channels(source.moved, side)
+    arm = side_channels(source.moved, side)
     return Built(template, judged, [_curve(arm, repetition, template) for repetition in judged])
 
 
@@ -100,7 +100,7 @@ def _decided(repetition: Repetition, *, is_kept: bool) -> Repetition:
     return replace(repetition, is_kept=is_kept, reason=reason)
 
 
-def _curve(arm: ArmChannels, repetition: Repetition, template: Template) -> Float:
+def _curve(arm: SideChannels, repetition: Repetition, template: Template) -> Float:
     cut = arm.cut(repetition)
     if len(cut.time_s) < 2:
         return np.full(template.mean.shape, np.nan)

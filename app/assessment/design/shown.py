@@ -22,9 +22,9 @@ from app.sentences import CATALOGUE
 from estimators.comparison import (
     Repetition,
     Template,
-    arm_channels,
     near,
     phase_curves,
+    side_channels,
     template_from_bytes,
 )
 from estimators.errors import EstimationError
@@ -91,7 +91,7 @@ def _repetition_curves(
     try:
         found = recordings.get_session(session, subject, version.source_session_id, action="")
         result = recordings.result_of(session, found, version.source_result_id)
-        arm = arm_channels(load_source(session, found, result).moved, template.side)
+        arm = side_channels(load_source(session, found, result).moved, template.side)
     except (NotFound, NotAllowed, InvalidInput, EstimationError):
         # The recording was deleted or is not this subject's to see; the template stands by itself.
         return []

@@ -31,10 +31,13 @@ class SimulateOptions:
     exercise_id: Annotated[
         str | None, typer.Option("--exercise", help="Exercise identifier; without, a free session.")
     ] = None
-    movement: Annotated[str, typer.Option(help="reaching, drinking, abduction, flexion or pronation.")] = (
-        "reaching"
-    )
-    arms: Annotated[str, typer.Option(help="left, right or both.")] = "right"
+    movement: Annotated[
+        str,
+        typer.Option(
+            help="reaching, drinking, abduction, flexion or pronation of an arm; knee_extension or leg_raise of a leg."
+        ),
+    ] = "reaching"
+    arms: Annotated[str, typer.Option(help="Side that acts: left, right or, of arms, both.")] = "right"
     repetitions: Annotated[int, typer.Option(help="Repetitions of the movement.", min=1, max=500)] = 10
     patient_kind: Annotated[str, typer.Option(help="therapist_template, mild_stroke or moderate_stroke.")] = (
         "mild_stroke"

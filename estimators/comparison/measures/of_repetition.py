@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 import scipy
 
-from estimators.comparison._channels import ArmChannels, fill_gaps
 from estimators.comparison._contract import Measure
 from estimators.comparison._smoothness import noise_level
+from estimators.comparison.channels.sided import SideChannels, fill_gaps
 from estimators.comparison.measures.coordination import interjoint_coordination
 from estimators.comparison.measures.strokes import (
     CUT_OFF_HZ,
@@ -131,12 +131,12 @@ def units_measure(
     return Measure("units_per_metre", "smoothness", value, "1/m", sigma, 1)
 
 
-def coordination_measures(arm: ArmChannels, side: str, stroke: slice, rate_hz: float) -> list[Measure]:
+def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: float) -> list[Measure]:
     """Measure how shoulder and elbow go together in the outward stroke (`measures.coordination`).
 
     Parameters
     ----------
-    arm : ArmChannels
+    arm : SideChannels
         Cut to the repetition.
     side : {"left", "right"}
     stroke : slice

@@ -5,15 +5,14 @@ from typing import Final
 
 import numpy as np
 
-from estimators.comparison._channels import channel_unit
 from estimators.comparison._contract import Measure
+from estimators.comparison.channels.names import channel_unit, tells_movement
 from estimators.comparison.measures.coordination import multiple_correlation
 from estimators.recording import Float
 from estimators.sentences import say
 
 TOGETHER: Final = ("multiple_correlation:", "repetition_rms:")
 """How the names of measures begin that no repetition has alone."""
-_STEERING: Final = ("_zxy_flexion", "_zxy_pronation", "_yxy_elevation")
 
 
 def likeness_measures(curves: Sequence[Float], channels: tuple[str, ...], primary: str) -> list[Measure]:
@@ -42,7 +41,7 @@ def likeness_measures(curves: Sequence[Float], channels: tuple[str, ...], primar
     if len(curves) < 2:
         return []
     together = np.stack(list(curves))
-    wanted = [name for name in channels if name.endswith(_STEERING) and "forearm_hand" not in name]
+    wanted = [name for name in channels if tells_movement(name)]
     found = []
     for name in dict.fromkeys([*(n for n in (primary,) if n in channels), *wanted]):
         own = together[:, :, channels.index(name)]

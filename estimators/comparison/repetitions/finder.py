@@ -11,9 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import Repetition, Trajectory
 from estimators.comparison._posture import posture
+from estimators.comparison.channels.sided import fill_gaps
 from estimators.comparison.repetitions.cycles import Explanation, explain
 from estimators.comparison.repetitions.home import at_home, most_likely, with_tries
 from estimators.comparison.repetitions.path import Path, path_of, smoothed

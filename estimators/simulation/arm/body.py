@@ -1,6 +1,7 @@
 """The moving body: coordinates over time to exact orientation and path of every segment."""
 
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from estimators.arm import model_lengths
 from estimators.body import BodyDimensions
 from estimators.conventions import Side
-from estimators.simulation.arm.exercises import ARM_COORDINATES, COORDINATES
+from estimators.simulation.arm.exercises import ACTING_LEG, ARM_COORDINATES, COORDINATES, LEG_COORDINATES
 from estimators.simulation.arm.kinematics import (
     X_AXIS,
     Y_AXIS,
@@ -59,9 +60,9 @@ class MovingBody:
     ----------
     body : BodyDimensions
     timeline : Timeline
-        Columns are `COORDINATES`, written for an acting right arm.
+        Columns are `COORDINATES`, written for an acting right side.
     side : Side
-        The acting arm; `left` mirrors everything.
+        The acting side; `left` mirrors everything.
     sway_rad : float
         RMS wander of head, pelvis and legs against room or thorax.
     seed : int
@@ -106,10 +107,12 @@ class MovingBody:
             result[f"upper_arm_{side}"] = SegmentMotion(humerus, shoulder)
             result[f"forearm_{side}"] = SegmentMotion(lower, elbow)
             result[f"hand_{side}"] = SegmentMotion(palm, wrist)
-        return result | self._rest(time_s, thorax, neck)
+        return result | self._rest(time_s, thorax, neck, values)
 
-    def _rest(self, time_s: Float, thorax: Turn, neck: Path) -> dict[str, SegmentMotion]:
-        """Head, pelvis and legs: standing still but for their sway."""
+    def _rest(
+        self, time_s: Float, thorax: Turn, neck: Path, values: dict[str, Scalar]
+    ) -> dict[str, SegmentMotion]:
+        """Head, pelvis and legs: still but for their sway, and for what the legs do."""
         samples, stature = time_s.shape[0], self.body.stature_m
         hip_height = float(model_lengths(self.body)[0])
         turns = {}
@@ -127,13 +130,32 @@ class MovingBody:
         thigh_m, shank_m = THIGH_PER_STATURE * stature, SHANK_PER_STATURE * stature
         for side, outward in (("left", HIP_HALF_WIDTH_M), ("right", -HIP_HALF_WIDTH_M)):
             hip_joint = at_rest((0.0, outward, hip_height), samples)
-            thigh, shank, foot = (turns[f"{part}_{side}"] for part in ("thigh", "shank", "foot"))
+            swaying = [turns[f"{part}_{side}"] for part in ("thigh", "shank", "foot")]
+            thigh, shank, foot = self._moved_leg(side, values, swaying)
             knee = carried(hip_joint, thigh, (0.0, 0.0, -thigh_m))
             ankle = carried(knee, shank, (0.0, 0.0, -shank_m))
             result[f"thigh_{side}"] = SegmentMotion(thigh, hip_joint)
             result[f"shank_{side}"] = SegmentMotion(shank, knee)
             result[f"foot_{side}"] = SegmentMotion(foot, ankle)
         return result
+
+    def _moved_leg(self, side: str, values: dict[str, Scalar], swaying: list[Turn]) -> list[Turn]:
+        """Thigh, shank and foot in the room, of segments that sway, and of the leg's coordinates."""
+        if not self.timeline.posture[:, ACTING_LEG.start :].any():
+            return swaying
+        role = "acting" if side == self.side else "other"
+        leg = {name: values[f"{role}_{name}"] for name in LEG_COORDINATES}
+        joints = (
+            _sequence(
+                (Y_AXIS, leg["hip_flexion"].scaled(-1.0)),
+                (X_AXIS, leg["hip_abduction"].scaled(-1.0)),
+                (Z_AXIS, leg["hip_rotation"]),
+            ),
+            turn_about(Y_AXIS, leg["knee_flexion"]),
+            turn_about(Y_AXIS, leg["ankle_flexion"].scaled(-1.0)),
+        )
+        bones = list(accumulate((_sided(joint, side == "left") for joint in joints), compose))
+        return [compose(bone, sway_of) for bone, sway_of in zip(bones, swaying, strict=True)]
 
 
 def _swapped(name: str) -> str:

@@ -1,6 +1,6 @@
-"""Exercises as via-postures of trunk and acting arm, in degrees.
+"""Exercises as via-postures of trunk, acting arm and acting leg, in degrees.
 
-Everything is written for a person whose *right* arm acts ("acting" and "other" arm); `arm.body` mirrors it
+Everything is written for a person whose *right* side acts ("acting" and "other" arm and leg); `arm.body` mirrors it
 for the left, so a mirrored patient with the same seed makes exactly the mirrored movement.
 """
 
@@ -8,7 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-ExerciseName = Literal["reaching", "drinking", "abduction", "flexion", "pronation"]
+ExerciseName = Literal[
+    "reaching", "drinking", "abduction", "flexion", "pronation", "knee_extension", "leg_raise"
+]
 
 TRUNK_COORDINATES: Final = ("lean_forward", "lean_right", "turn_left")
 ARM_COORDINATES: Final = (
@@ -23,21 +25,29 @@ ARM_COORDINATES: Final = (
     "wrist_deviation",
     "wrist_rotation",
 )
-COORDINATES: Final = (
+LEG_COORDINATES: Final = ("hip_flexion", "hip_abduction", "hip_rotation", "knee_flexion", "ankle_flexion")
+UPPER_COORDINATES: Final = (
     *TRUNK_COORDINATES,
     *(f"acting_{name}" for name in ARM_COORDINATES),
     *(f"other_{name}" for name in ARM_COORDINATES),
 )
-"""Order of the columns of a posture; radians, hike as the angle of the clavicle."""
+COORDINATES: Final = (
+    *UPPER_COORDINATES,
+    *(f"acting_{name}" for name in LEG_COORDINATES),
+    *(f"other_{name}" for name in LEG_COORDINATES),
+)
+"""Order of the columns of a posture; radians, hike as the angle of the clavicle, the hip's against the room."""
 
 TRUNK = slice(0, 3)
 ACTING = slice(3, 13)
 OTHER = slice(13, 23)
+ACTING_LEG = slice(23, 28)
+OTHER_LEG = slice(28, 33)
 
 
 @dataclass(frozen=True)
 class Stop:
-    """A posture of trunk and acting arm (degrees, by coordinate name), how long to get there and to stay."""
+    """A posture of trunk, acting arm and leg (degrees, by coordinate name), how long to get there and to stay."""
 
     posture_deg: Mapping[str, float]
     move_s: float
@@ -48,7 +58,7 @@ class Stop:
 class Exercise:
     """Where one repetition starts and ends, and the stops between.
 
-    `far` names the stop (by index) at which compensation is greatest; `main` is the comparison's main angle.
+    The other leg stays as it rests. `primary_channel` is the comparison's main angle.
     """
 
     name: str
@@ -57,6 +67,11 @@ class Exercise:
     stops: tuple[Stop, ...]
     return_s: float
     primary_channel: str
+
+    @property
+    def moves_leg(self) -> bool:
+        """Whether a leg acts."""
+        return not set(LEG_COORDINATES).isdisjoint(name for stop in self.stops for name in stop.posture_deg)
 
 
 _AT_TABLE: Final[dict[str, float]] = {
@@ -174,3 +189,25 @@ EXERCISES: Final[dict[str, Exercise]] = {
         "humerus_forearm_{side}_zxy_pronation",
     ),
 }  # fmt: skip
+
+_SEATED: Final = hanging(30.0) | {"hip_flexion": 80, "knee_flexion": 85}
+
+LEG_EXERCISES: Final[dict[str, Exercise]] = {
+    "knee_extension": Exercise(
+        "knee_extension",
+        "Straighten the knee, seated",
+        _SEATED,
+        (Stop(_SEATED | {"hip_flexion": 82, "knee_flexion": 12, "ankle_flexion": 10}, 1.4, 0.5),),
+        1.4,
+        "thigh_shank_{side}_zxy_flexion",
+    ),
+    "leg_raise": Exercise(
+        "leg_raise",
+        "Raise the leg to the side, standing",
+        hanging(30.0),
+        (Stop(hanging(30.0) | {"hip_abduction": 32, "hip_rotation": -4, "knee_flexion": 3}, 1.3, 0.3),),
+        1.3,
+        "pelvis_thigh_{side}_zxy_abduction",
+    ),
+}
+"""Exercises of a leg; the hips stay where they are when somebody sits down."""

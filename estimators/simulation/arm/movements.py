@@ -9,12 +9,16 @@ from numpy.typing import NDArray
 from estimators.errors import SetupError
 from estimators.simulation.arm.exercises import (
     ACTING,
+    ACTING_LEG,
     ARM_COORDINATES,
     COORDINATES,
     EXERCISES,
+    LEG_COORDINATES,
     OTHER,
+    OTHER_LEG,
     TRUNK,
     TRUNK_COORDINATES,
+    UPPER_COORDINATES,
     Exercise,
     Stop,
     hanging,
@@ -255,6 +259,7 @@ def _reached(
     rest: Float,
     amplitude: float,
     draw: Float,
+    leg_draw: Float,
     style: MovementStyle,
     one: PlannedRepetition,
     both_arms: bool,
@@ -264,6 +269,8 @@ def _reached(
     reached = rest + amplitude * (target - rest)
     reached[ACTING] += draw[3:]
     reached[TRUNK] += 0.3 * draw[:3]
+    reached[ACTING_LEG] += leg_draw
+    reached[OTHER_LEG] = rest[OTHER_LEG]
     _compensate(reached, style)
     one.add_faults(reached)
     reached[OTHER] = reached[ACTING] if both_arms else reached[OTHER]
@@ -307,7 +314,7 @@ def perform(
     given = (schedule.repetitions is not None, schedule.duration_s is not None, bool(schedule.plan))
     if sum(given) != 1:
         raise SetupError("give just one of repetitions, duration_s and plan")
-    rng = np.random.default_rng([seed, 1])
+    rng, leg_rng = np.random.default_rng([seed, 1]), np.random.default_rng([seed, 6])
     rest = _posture(exercise.rest_deg, both_arms)
     n_pose = _n_pose(exercise, both_arms)
     n_pose = n_pose + np.random.default_rng([seed, 2]).normal(0.0, 1.0, n_pose.size) * n_pose_error_rad
@@ -322,6 +329,9 @@ def perform(
         amplitude *= 1.0 + style.amplitude_sd * rng.normal()
         pace = style.speed * (1.0 - style.fatigue_speed * worn_out) * np.exp(style.duration_sd * rng.normal())
         draws = rng.normal(size=(len(exercise.stops) + 1, 13)) * style.posture_sd_rad
+        leg_draws = np.zeros((len(draws), len(LEG_COORDINATES)))
+        if exercise.moves_leg:
+            leg_draws = leg_rng.normal(size=leg_draws.shape) * style.posture_sd_rad
         one = schedule.plan[number] if schedule.plan else PlannedRepetition()
         amplitude, pace = amplitude * one.size, pace * one.pace
         stops = EXERCISES[one.instead].stops if one.instead else exercise.stops
@@ -331,19 +341,21 @@ def perform(
         start = laid.knots[-1]
         laid.places[-1] = of_other = np.nan if one.instead else 0.0
         for piece, stop in enumerate(stops):
-            draw = draws[min(piece, len(draws) - 2)]
-            reached = _reached(stop, rest, amplitude, draw, style, one, both_arms)
+            drawn = min(piece, len(draws) - 2)
+            reached = _reached(stop, rest, amplitude, draws[drawn], leg_draws[drawn], style, one, both_arms)
             laid.reach(reached, stop, piece, pace, style.submovements, one, of_other)
         back = rest.copy()
         back[ACTING] += 0.3 * draws[-1, 3:]
+        back[ACTING_LEG] += 0.3 * leg_draws[-1]
         back[OTHER] = back[ACTING] if both_arms else back[OTHER]
         laid.go(back, exercise.return_s / pace, style.submovements, 2.0 * len(stops) + 1.0 + of_other)
         intervals.append((start, laid.knots[-1]))
         laid.go(back, schedule.pause_s if one.pause_s is None else one.pause_s)
     laid.go(laid.postures[-1], schedule.settle_s)
     end_s = laid.knots[-1] if schedule.duration_s is None else schedule.duration_s
-    every = tuple(range(len(COORDINATES)))
-    wander = [sway(every, sway_rad, np.random.default_rng([seed, 3]))]
+    # Legs sway as segments, see `MovingBody`.
+    upper = tuple(range(len(UPPER_COORDINATES)))
+    wander = [sway(upper, sway_rad, np.random.default_rng([seed, 3]))]
     if style.tremor_rad > 0.0:
         wander.append(_tremor(style, schedule.n_pose_s, both_arms, np.random.default_rng([seed, 4])))
     counts = np.array(laid.counts, dtype=np.int64)
@@ -356,7 +368,8 @@ def _posture(named_deg: Mapping[str, float], both_arms: bool) -> Float:
     acting = [named_deg.get(name, 0.0) for name in ARM_COORDINATES]
     relaxed = hanging(30.0) | {"elevation": 9}
     other = acting if both_arms else [relaxed.get(name, 0.0) for name in ARM_COORDINATES]
-    return np.radians(np.array([*trunk, *acting, *other], dtype=np.float64))
+    leg = [named_deg.get(name, 0.0) for name in LEG_COORDINATES]
+    return np.radians(np.array([*trunk, *acting, *other, *leg, *leg], dtype=np.float64))
 
 
 def _n_pose(exercise: Exercise, both_arms: bool) -> Float:

@@ -5,9 +5,9 @@ from typing import Final, Literal
 
 from estimators.conventions import Side
 from estimators.errors import SetupError
-from estimators.simulation.arm.exercises import ExerciseName
+from estimators.simulation.arm.exercises import LEG_EXERCISES, ExerciseName
 from estimators.simulation.arm.movements import Schedule, style_of_impairment
-from estimators.simulation.arm.scenario import ArmScenario
+from estimators.simulation.arm.scenario import ARM_PLACEMENTS, ArmScenario, leg_placements
 
 PatientName = Literal["therapist_template", "mild_stroke", "moderate_stroke"]
 
@@ -39,7 +39,7 @@ def demonstration_scenario(
         `therapist_template`, `mild_stroke` or `moderate_stroke`.
     exercise : str
     side : Side
-        The acting, for a patient the affected, arm.
+        The acting, for a patient the affected, side.
     progress : float
         0 at the first session, 1 at the end of the therapy; sessions in between improve evenly.
     repetitions : int
@@ -67,6 +67,7 @@ def demonstration_scenario(
     return ArmScenario(
         exercise=exercise,
         side=side,
+        placements=leg_placements(side) if exercise in LEG_EXERCISES else ARM_PLACEMENTS,
         style=style,
         schedule=Schedule(repetitions=repetitions),
         seed=seed,

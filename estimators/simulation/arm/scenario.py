@@ -11,6 +11,7 @@ from estimators.arm import ArmModel
 from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS, Placement, Side
 from estimators.errors import SetupError
+from estimators.leg import LegModel
 from estimators.orientation import DEFAULT
 from estimators.pipelines._contract import FrameLayout, Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
@@ -18,7 +19,7 @@ from estimators.simulation._errors import SensorErrors, sensor_errors
 from estimators.simulation._sensors import EarthField, Magnet, Mounting, TrueReadings, true_readings
 from estimators.simulation._soft_tissue import soft_tissue_turn
 from estimators.simulation.arm.body import MovingBody, SegmentMotion
-from estimators.simulation.arm.exercises import EXERCISES, Exercise
+from estimators.simulation.arm.exercises import EXERCISES, LEG_EXERCISES, Exercise
 from estimators.simulation.arm.kinematics import Path, Scalar, Turn, compose
 from estimators.simulation.arm.movements import (
     MovementStyle,
@@ -39,6 +40,18 @@ ARM_PLACEMENTS: Final[tuple[Placement, ...]] = (
     "hand_right",
 )
 """The seven sensors of two arms and the trunk."""
+
+
+def leg_placements(side: Side) -> tuple[Placement, ...]:
+    """Return the five sensors of the trunk and one leg."""
+    legs: dict[Side, tuple[Placement, ...]] = {
+        "left": ("thigh_left", "shank_left", "foot_left"),
+        "right": ("thigh_right", "shank_right", "foot_right"),
+    }
+    return ("sternum", "pelvis", *legs[side])
+
+
+_KNOWN: Final = {**EXERCISES, **LEG_EXERCISES}
 
 
 @dataclass(frozen=True)
@@ -66,9 +79,10 @@ class ArmScenario:
     Attributes
     ----------
     exercise : str or Exercise
-        `reaching`, `drinking`, `abduction`, `flexion` or `pronation`, or one of one's own.
+        `reaching`, `drinking`, `abduction`, `flexion` or `pronation`, of a leg `knee_extension` or `leg_raise`, or one
+        of one's own.
     side : Side
-        The acting arm. The other hangs with a small sway, or mirrors it when `both_arms`.
+        The acting side. The other arm hangs with a small sway, or mirrors it when `both_arms`; the other leg rests.
     style : MovementStyle
     schedule : Schedule
         N-pose, pauses, number of repetitions or total duration.
@@ -114,7 +128,7 @@ class ArmTruth:
     ----------
     frames : Frames
         Segment orientations, joint centres, joint angles and scalars under the pipeline's names, exact;
-        all seventeen segments, both arms, sigmas zero.
+        all seventeen segments, both arms, where a leg acts both legs, sigmas zero.
     repetitions_s : ndarray, shape (R, 2)
         Start and end of each repetition, on ticks.
     progress : ndarray, shape (K,)
@@ -187,7 +201,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         If the scenario contradicts itself.
     """
     _check(scenario)
-    exercise = EXERCISES[scenario.exercise] if isinstance(scenario.exercise, str) else scenario.exercise
+    exercise = _KNOWN[scenario.exercise] if isinstance(scenario.exercise, str) else scenario.exercise
     performance = perform(
         exercise,
         scenario.style,
@@ -229,7 +243,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     recording = Recording(sensors, scenario.rate_hz, origin="simulation", metadata=metadata)
     position, velocity, acceleration = (np.stack([path[order] for path in paths]) for order in range(3))
     truth = ArmTruth(
-        _true_frames(scenario, motions, ticks),
+        _true_frames(scenario, motions, ticks, exercise.moves_leg),
         _on_ticks(performance, scenario.rate_hz),
         performance.progress(instants[1:]),
         mountings,
@@ -247,8 +261,8 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
 
 
 def _check(scenario: ArmScenario) -> None:
-    if isinstance(scenario.exercise, str) and scenario.exercise not in EXERCISES:
-        raise SetupError(f"no exercise is named {scenario.exercise!r}; known: {', '.join(EXERCISES)}")
+    if isinstance(scenario.exercise, str) and scenario.exercise not in _KNOWN:
+        raise SetupError(f"no exercise is named {scenario.exercise!r}; known: {', '.join(_KNOWN)}")
     unknown = [name for name in scenario.placements if name not in PLACEMENTS]
     if unknown or not scenario.placements or len(set(scenario.placements)) != len(scenario.placements):
         raise SetupError(f"placements {scenario.placements} must be different ones of {PLACEMENTS}")
@@ -320,13 +334,20 @@ def _on_ticks(performance: Performance, rate_hz: float) -> Float:
     return np.asarray(np.round(performance.repetitions_s * rate_hz) / rate_hz)
 
 
-def _true_frames(scenario: ArmScenario, motions: dict[str, SegmentMotion], ticks: int) -> Frames:
+def _true_frames(
+    scenario: ArmScenario, motions: dict[str, SegmentMotion], ticks: int, moves_leg: bool
+) -> Frames:
     model = ArmModel(scenario.body, PLACEMENTS, 1.0 / scenario.rate_hz)
     q = np.stack([motions[name].turn.q[1:] for name in PLACEMENTS], axis=1)
     omega = np.stack([motions[name].turn.rate[1:] for name in PLACEMENTS], axis=1)
-    found = model.evaluate(q, angular_velocity_room_radps=omega, sigma_room_rad=np.zeros_like(omega))
+    legs, exact = LegModel(PLACEMENTS if moves_leg else ()), np.zeros_like(omega)
+    found = model.evaluate(
+        q, angular_velocity_room_radps=omega, sigma_room_rad=exact, more_angles=len(legs.angles)
+    )
+    flags = np.zeros((ticks, len(PLACEMENTS)), dtype=np.uint8)
+    legs.write(q, exact, flags, found.angle_rad, found.angle_sigma_rad, found.angle_flags)
     return Frames(
-        layout=FrameLayout(tuple(PLACEMENTS), model.points, model.angles, model.scalars),
+        layout=FrameLayout(tuple(PLACEMENTS), model.points, (*model.angles, *legs.angles), model.scalars),
         first_tick=0,
         time_step_s=1.0 / scenario.rate_hz,
         q_room_segment=q,
@@ -334,6 +355,6 @@ def _true_frames(scenario: ArmScenario, motions: dict[str, SegmentMotion], ticks
         angle_rad=found.angle_rad,
         angle_sigma_rad=found.angle_sigma_rad,
         scalar=found.scalar,
-        segment_flags=np.zeros((ticks, len(PLACEMENTS)), dtype=np.uint8),
+        segment_flags=flags,
         angle_flags=found.angle_flags,
     )

@@ -23,6 +23,8 @@ from estimators.simulation import (
     demonstration_scenario,
     simulate_arm,
 )
+from estimators.simulation.arm.exercises import LEG_EXERCISES
+from estimators.simulation.arm.scenario import leg_placements
 
 PLACEMENTS: Final[tuple[Placement, ...]] = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
 EXERCISE: Final[ExerciseName] = "flexion"
@@ -33,16 +35,21 @@ SHORT: Final = PlannedRepetition(size=0.62)
 LEANING: Final = PlannedRepetition(lean_rad=float(np.radians(17.0)))
 
 
+def worn(exercise: ExerciseName) -> tuple[Placement, ...]:
+    """Where the sensors of an exercise of the right side sit."""
+    return leg_placements("right") if exercise in LEG_EXERCISES else PLACEMENTS
+
+
 @cache
 def template_bytes(exercise: ExerciseName = EXERCISE) -> bytes:
     """What a therapist showed."""
     shown = demonstration_scenario("therapist_template", exercise, seed=4)
     made = simulate_arm(
-        replace(shown, placements=PLACEMENTS, schedule=replace(shown.schedule, n_pose_s=N_POSE_S))
+        replace(shown, placements=worn(exercise), schedule=replace(shown.schedule, n_pose_s=N_POSE_S))
     )
     frames, _ = run(made.recording, made.setup, (1.5, 4.5))
     cut = [Repetition(n, float(a), float(b)) for n, (a, b) in enumerate(made.truth.repetitions_s, start=1)]
-    primary = EXERCISES[exercise].primary_channel.format(side="right")
+    primary = {**EXERCISES, **LEG_EXERCISES}[exercise].primary_channel.format(side="right")
     return template_to_bytes(build_template(trajectory(frames), cut, "right", REACH_M, primary))
 
 
@@ -73,7 +80,7 @@ def performed(
         ArmScenario(
             exercise=exercise,
             schedule=Schedule(n_pose_s=N_POSE_S, transition_s=1.5, repetitions=None, plan=plan),
-            placements=PLACEMENTS,
+            placements=worn(exercise),
             seed=seed,
         )
     )

@@ -14,7 +14,7 @@ from estimators.comparison import (
     mirror_template,
     mirror_trajectory,
 )
-from estimators.comparison._channels import channel_label
+from estimators.comparison.channels.names import channel_label
 from estimators.errors import ComparisonError, SetupError
 from tests.said import codes, refuses
 

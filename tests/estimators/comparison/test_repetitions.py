@@ -147,7 +147,7 @@ def test_equal_repetitions_are_all_kept_and_a_person_may_drop(planar):
 
 def test_wrong_side_says_what_to_do(planar):
     made = planar()
-    with pytest.raises(ComparisonError, match="left arm"):
+    with pytest.raises(ComparisonError, match="left side"):
         find_repetitions(made.trajectory, "left")
     with pytest.raises(SetupError, match="'left' or 'right'"):
         find_repetitions(made.trajectory, "both")

@@ -26,6 +26,8 @@ const SPOTS: Partial<Record<Placement, readonly [number, number]>> = {
   shank_right: [82, 306],
   thigh_left: [120, 232],
   shank_left: [118, 306],
+  foot_right: [80, 366],
+  foot_left: [120, 366],
 };
 
 function Person({ children, label }: { children?: React.ReactNode; label: string }) {

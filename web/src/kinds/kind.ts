@@ -43,6 +43,8 @@ export interface BeginProps {
   purpose: NonNullable<SessionIn['purpose']>;
   /** The exercise with its prescription. */
   exercise: Pick<SessionIn, 'exercise_id' | 'prescription_id'>;
+  /** The joint angle that counts in the exercise. */
+  angle: string | undefined;
 }
 
 type Part<Props> = ComponentType<Props>;
@@ -74,8 +76,8 @@ export interface SessionKind {
     isApart?: boolean;
     /** The exercises that are done with it. */
     suits?: (movement: string | undefined) => boolean;
-    /** What is worn where nobody is asked: at home. */
-    usual?: (side: Side | null | undefined) => Placement[];
+    /** What is worn where nobody is asked: at home; for the side, and the angle that counts. */
+    usual?: (side: Side | null | undefined, angle?: string) => Placement[];
     /** What can be worn, where that is all there is to choose; otherwise the kind has a form of its own. */
     worn?: readonly { title: () => string; placements: readonly Placement[] }[];
   };

@@ -13,7 +13,9 @@ export interface ChannelLabel {
   side: 'left' | 'right' | null;
 }
 
-const ANGLE = /^(thorax_humerus|humerus_forearm|forearm_hand)_(left|right)_([a-z]{3})_([a-z_]+)$/;
+/** Of a leg in the ISB's sequence alone: in Z-Y-X it is a magnetic pair of sensors. */
+const ANGLE =
+  /^(thorax_humerus|humerus_forearm|forearm_hand|(?:pelvis_thigh|thigh_shank|shank_foot)(?=_[a-z]+_zxy))_(left|right)_([a-z]{3})_([a-z_]+)$/;
 const RELATIVE = /^(.+)_zyx_(rotation|flexion|lateral)$/;
 const DISTANCE = /^(.+)_distance(_sigma)?_m$/;
 const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps|n)$/;
@@ -117,6 +119,9 @@ export function preferredAngles(
     'humerus_forearm_{side}_zxy_pronation',
     'forearm_hand_{side}_zxy_flexion',
     'thorax_humerus_{side}_yxy_axial_rotation',
+    'thigh_shank_{side}_zxy_flexion',
+    'pelvis_thigh_{side}_zxy_flexion',
+    'shank_foot_{side}_zxy_flexion',
   ];
   const sides = side === 'left' ? ['left', 'right'] : ['right', 'left'];
   const wanted = [

@@ -10,6 +10,12 @@ export function primaryAngles(side: 'left' | 'right'): string[] {
     `thorax_humerus_${side}_yxy_axial_rotation`,
     `forearm_hand_${side}_zxy_flexion`,
     `forearm_hand_${side}_zxy_deviation`,
+    `thigh_shank_${side}_zxy_flexion`,
+    `pelvis_thigh_${side}_zxy_flexion`,
+    `pelvis_thigh_${side}_zxy_abduction`,
+    `pelvis_thigh_${side}_zxy_internal_rotation`,
+    `shank_foot_${side}_zxy_flexion`,
+    `shank_foot_${side}_zxy_inversion`,
   ];
 }
 

@@ -8,14 +8,32 @@ export function armPlacements(side: 'left' | 'right'): Placement[] {
   return [`upper_arm_${side}`, `forearm_${side}`, `hand_${side}`];
 }
 
-/** What to wear for a side: the chest for the trunk, then the arm or both arms. */
-export function suggestedPlacements(side: Side | null | undefined): Placement[] {
+/**
+ * What to wear for a side: the chest for the trunk, then the arm or both arms; where the angle that counts is one of a
+ * leg, the pelvis and that leg.
+ */
+export function suggestedPlacements(side: Side | null | undefined, angle = ''): Placement[] {
+  const leg = /^(?:pelvis_thigh|thigh_shank|shank_foot)_(left|right)_/.exec(angle)?.[1];
+  if (leg) return ['sternum', 'pelvis', ...legPlacements(leg === 'left' ? 'left' : 'right')];
   if (side === 'both') return ['sternum', ...armPlacements('left'), ...armPlacements('right')];
   return ['sternum', ...armPlacements(side === 'left' ? 'left' : 'right')];
 }
 
-/** Sensors on the legs, thighs first: with the trunk they tell the centre of mass. */
-export const LEG_PLACEMENTS: Placement[] = ['thigh_left', 'shank_left', 'thigh_right', 'shank_right'];
+/** Sensors of one leg, from the hip down. */
+function legPlacements(side: 'left' | 'right'): Placement[] {
+  return [`thigh_${side}`, `shank_${side}`, `foot_${side}`];
+}
+
+/** Sensors on the legs: hips, knees and ankles; with both thighs and the trunk the centre of mass. */
+export const LEG_PLACEMENTS: Placement[] = [...legPlacements('left'), ...legPlacements('right')];
+
+/** Whether a hip, a knee or an ankle has a sensor above and below it. */
+function tellsLeg(placements: readonly Placement[]): boolean {
+  return (['left', 'right'] as const).some((side) => {
+    const worn = ['pelvis' as const, ...legPlacements(side)].map((placement) => placements.includes(placement));
+    return worn.some((is, index) => is && worn[index + 1]);
+  });
+}
 
 /** Whether the sensors tell the centre of mass of the body: one on the trunk and both thighs. */
 export function tellsMassCentre(placements: readonly Placement[]): boolean {
@@ -26,11 +44,12 @@ export function tellsMassCentre(placements: readonly Placement[]): boolean {
 /** What is missing, as a key of the catalogue; null when the choice makes sense. */
 export function placementProblem(
   placements: readonly Placement[],
-): 'placements.needUpperArm' | 'placements.needForearm' | 'placements.needArm' | 'placements.needThighs' | null {
+): 'placements.needUpperArm' | 'placements.needForearm' | 'placements.needArm' | 'placements.needLegs' | null {
   const has = (placement: Placement) => placements.includes(placement);
-  if (LEG_PLACEMENTS.some(has) && !tellsMassCentre(placements)) return 'placements.needThighs';
+  const hasLegs = tellsLeg(placements) || tellsMassCentre(placements);
+  if (LEG_PLACEMENTS.some(has) && !hasLegs) return 'placements.needLegs';
   const arms = (['left', 'right'] as const).filter((side) => armPlacements(side).some(has));
-  if (arms.length === 0 && !tellsMassCentre(placements)) return 'placements.needArm';
+  if (arms.length === 0 && !hasLegs) return 'placements.needArm';
   for (const side of arms) {
     if (!has(`upper_arm_${side}`)) return 'placements.needUpperArm';
     if (has(`hand_${side}`) && !has(`forearm_${side}`)) return 'placements.needForearm';

@@ -67,8 +67,12 @@ describe('audit', () => {
 
 describe('placements', () => {
   it('wants a chain without holes', () => {
-    expect(placementProblem(['sternum', 'thigh_left'])).toBe('placements.needThighs');
+    expect(placementProblem(['sternum', 'thigh_left'])).toBe('placements.needLegs');
     expect(placementProblem(['pelvis', 'thigh_left', 'thigh_right'])).toBeNull();
+    expect(placementProblem(['thigh_left', 'shank_left'])).toBeNull();
+    expect(placementProblem(['pelvis', 'shank_left', 'foot_left'])).toBeNull();
+    expect(placementProblem(['pelvis', 'thigh_left', 'hand_left'])).toBe('placements.needUpperArm');
+    expect(placementProblem(['thigh_left', 'shank_right'])).toBe('placements.needLegs');
     expect(placementProblem(['sternum'])).toBe('placements.needArm');
     expect(placementProblem(['forearm_left'])).toBe('placements.needUpperArm');
     expect(placementProblem(['upper_arm_left', 'hand_left'])).toBe('placements.needForearm');

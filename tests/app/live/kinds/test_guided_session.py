@@ -30,7 +30,8 @@ from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.schemas import SessionIn
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Settings
-from tests.app.live.guided import LEANING, N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
+from estimators.simulation import ExerciseName
+from tests.app.live.guided import EXERCISE, LEANING, N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
 
 GOOD_AND_SHORT = (SOUND, SOUND, SHORT, SOUND)
 RECORD_AT_S = N_POSE_S + 1.6
@@ -110,12 +111,16 @@ def enter(engine: Engine, settings: Settings, world: Any) -> Iterator[Enter]:
         return Room(manager, manager.live(intake.session_id), done)
 
     def run(
-        plan: Any, work: Callable[..., Any], prescription_id: str | None = None, session_id: str | None = None
+        plan: Any,
+        work: Callable[..., Any],
+        prescription_id: str | None = None,
+        session_id: str | None = None,
+        exercise: ExerciseName = EXERCISE,
     ) -> Any:
         async def inside() -> Any:
             limits = Limits({"streams": settings.limit_streams})
             manager = LiveManager(engine, writer, MemoryBus(), lambda _: None, limits=limits)
-            done = performed(plan)
+            done = performed(plan, exercise=exercise)
             opening = (
                 taken_up(manager, done, session_id) if session_id else opened(manager, done, prescription_id)
             )
@@ -186,6 +191,18 @@ def test_a_lean_is_said_once_and_sound_ones_are_left_in_peace(
     assert set(room.cues) == {"Sit tall."}
     start_s, end_s = room.done.repetitions_s[1]
     assert all(start_s < one.time_s < end_s + 0.3 for one in stored(engine, room.live.id, "cue"))
+
+
+def test_a_knee_is_guided_as_an_arm(enter: Enter, engine: Engine, world: Any) -> None:
+    prescription = prescribe(engine, world, exercise="knee_extension")
+    room = enter((SOUND, SHORT, LEANING, SOUND), whole, prescription, exercise="knee_extension")
+    events = stored(engine, room.live.id, "repetition")
+    assert [one.details["kind"] for one in events] == ["valid", "partial", "valid", "valid"]
+    assert room.cues == ["A little further.", "Sit tall."]
+    for cue, (start_s, end_s) in zip(
+        stored(engine, room.live.id, "cue"), room.done.repetitions_s[1:3], strict=True
+    ):
+        assert start_s < cue.time_s < end_s + 0.3
 
 
 def test_pain_stops_at_once_and_until_somebody_goes_on(enter: Enter, engine: Engine, world: Any) -> None:

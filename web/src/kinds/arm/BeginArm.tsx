@@ -16,8 +16,9 @@ import type { BeginProps } from '../kind';
 const SHOWN_FIRST = 2;
 
 export function BeginArm(props: BeginProps) {
-  const { patient, exercise, purpose } = props;
-  const [placements, setPlacements] = useState<Placement[]>(() => suggestedPlacements(patient.affected_side));
+  const { patient, exercise, purpose, angle } = props;
+  const [chosen, setPlacements] = useState<Placement[] | null>(null);
+  const placements = chosen ?? suggestedPlacements(patient.affected_side, angle);
   const [orientation, setOrientation] = useState<string | null>(null);
   const [constrain, setConstrain] = useState(false);
   const [useMounting, setUseMounting] = useState(false);

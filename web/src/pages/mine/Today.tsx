@@ -67,7 +67,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         exercise_id: prescription.exercise_id,
         prescription_id: prescription.id,
         pipeline: kind.pipeline as NonNullable<SessionIn['pipeline']>,
-        placements: kind.begin?.usual?.(patient.data?.affected_side) ?? [],
+        placements: kind.begin?.usual?.(patient.data?.affected_side, exercise?.primary_angle) ?? [],
       },
       { onSuccess: (session) => void navigate(`/my/sessions/${session.id}/live`) },
     );

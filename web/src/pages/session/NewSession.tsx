@@ -22,7 +22,8 @@ function Form({ patient }: { patient: Patient }) {
   const [picked, setPicked] = useState<string | null>(search.get('exercise'));
   const [kind, setKind] = useState<SessionKind['pipeline'] | null>(null);
   const exerciseId = picked ?? prescribed[0]?.exercise_id ?? null;
-  const movement = exerciseOf(exercises.data, exerciseId)?.movement;
+  const exercise = exerciseOf(exercises.data, exerciseId);
+  const movement = exercise?.movement;
   const offered = KINDS.flatMap(({ pipeline, begin }) =>
     begin && (begin.isTemplate || purpose !== 'template') ? [{ pipeline, begin }] : [],
   );
@@ -70,6 +71,7 @@ function Form({ patient }: { patient: Patient }) {
         pipeline={pipeline as BeginProps['pipeline']}
         purpose={purpose}
         exercise={{ exercise_id: exerciseId, prescription_id: prescription?.id ?? null }}
+        angle={exercise?.primary_angle}
       />
     </div>
   );

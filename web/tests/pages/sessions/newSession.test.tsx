@@ -33,7 +33,7 @@ const go = () => userEvent.click(screen.getByRole('button', { name: /Continue/ }
 describe('a new session', () => {
   it('leaves the keyboard on the kind that it chooses', async () => {
     open();
-    for (const name of [/^Walking/, /^Balance test/, /^Arms and trunk/]) {
+    for (const name of [/^Walking/, /^Balance test/, /^Arms, trunk and legs/]) {
       const radio = await kind(name);
       await userEvent.click(radio);
       expect(document.activeElement).toBe(radio);
@@ -42,7 +42,7 @@ describe('a new session', () => {
   });
 
   it.each([
-    [/^Arms and trunk/, 'arm', ['sternum', 'upper_arm_left', 'forearm_left', 'hand_left']],
+    [/^Arms, trunk and legs/, 'arm', ['sternum', 'upper_arm_left', 'forearm_left', 'hand_left']],
     [/^Walking/, 'gait', ['foot_left', 'foot_right']],
     [/^Balance test/, 'balance', ['pelvis', 'sternum']],
   ])('of %s declares its pipeline and what is worn', async (name, pipeline, placements) => {

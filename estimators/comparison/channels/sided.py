@@ -1,0 +1,132 @@
+"""The channels of one side, of which only some show how the limb is meant to move."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.comparison._contract import Repetition, Trajectory
+from estimators.comparison.channels.mirror import check_side
+from estimators.comparison.measures.places import ARM_POINTS
+from estimators.errors import ComparisonError
+from estimators.recording import Float
+from estimators.sentences import say
+
+TRUNK_CHANNELS: Final = ("trunk_lean_forward_rad", "trunk_lean_lateral_rad", "trunk_axial_rotation_rad")
+"""Scalars that show compensation with the trunk; the last two change sign in a mirror."""
+_HIKES: Final = "shoulder_hike"
+
+
+@dataclass(frozen=True)
+class SideChannels:
+    """The comparable channels of one side.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Joint angles of the side, trunk scalars and hikes, then elbow, wrist and hand as `<point>.x|y|z`.
+    values, sigma : ndarray, shape (N, C)
+        Angles and leans in rad. Positions in m relative to the shoulder of the same side, times
+        `reach_to / reach_from`, so that people of different size can be laid on each other. NaN where
+        the trajectory is not valid.
+    """
+
+    time_s: Float
+    channels: tuple[str, ...]
+    values: Float
+    sigma: Float
+
+    def column(self, channel: str) -> Float | None:
+        """Return one channel, shape (N,), or None when it was not measured."""
+        return self.values[:, self.channels.index(channel)] if channel in self.channels else None
+
+    def cut(self, repetition: Repetition) -> "SideChannels":
+        """Return the samples of one repetition, half-open in session time."""
+        inside = (self.time_s >= repetition.start_s - 1e-9) & (self.time_s < repetition.end_s - 1e-9)
+        return replace(self, time_s=self.time_s[inside], values=self.values[inside], sigma=self.sigma[inside])
+
+
+def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> SideChannels:
+    """Pick and normalise the channels of one side.
+
+    Parameters
+    ----------
+    source : Trajectory
+    side : {"left", "right"}
+    size_ratio : float
+        Reach of the person to compare with divided by the reach of the person measured.
+
+    Returns
+    -------
+    SideChannels
+        Only channels with at least one valid sample.
+
+    Raises
+    ------
+    ComparisonError
+        If nothing of that side was measured.
+    """
+    check_side(side)
+    masked = np.where(source.valid, source.values, np.nan)
+    index = {name: column for column, name in enumerate(source.channels)}
+    names: list[str] = []
+    values: list[Float] = []
+    sigma: list[Float] = []
+    for name in source.channels:
+        is_angle = f"_{side}_" in name and not name.endswith(("_mps", "_m", "_lean_forward_rad"))
+        if is_angle or name in TRUNK_CHANNELS or name == f"shoulder_hike_{side}_m":
+            names.append(name)
+            values.append(masked[:, index[name]])
+            sigma.append(source.sigma[:, index[name]])
+    for point in ARM_POINTS:
+        for axis in "xyz":
+            name, origin = f"{point}_{side}.{axis}", f"shoulder_{side}.{axis}"
+            if name in index and origin in index:
+                names.append(name)
+                values.append((masked[:, index[name]] - masked[:, index[origin]]) * size_ratio)
+                sigma.append(source.sigma[:, index[name]] * size_ratio)
+    measured = [i for i, column in enumerate(values) if np.isfinite(column).any()]
+    if not any(f"_{side}" in names[i] for i in measured):
+        raise ComparisonError(say("compare.side_not_measured", side=side))
+    return SideChannels(
+        time_s=source.time_s,
+        channels=tuple(names[i] for i in measured),
+        values=np.ascontiguousarray(np.stack([values[i] for i in measured], axis=1)),
+        sigma=np.ascontiguousarray(np.stack([sigma[i] for i in measured], axis=1)),
+    )
+
+
+def is_compensation(channel: str) -> bool:
+    """Tell whether a channel shows how trunk or shoulder help the arm."""
+    return channel in TRUNK_CHANNELS or channel.startswith(_HIKES)
+
+
+def fill_gaps(values: Float) -> tuple[Float, NDArray[np.bool_]]:
+    """Interpolate each column linearly over its gaps; also return which columns have any value.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, C)
+        NaN in gaps.
+
+    Returns
+    -------
+    filled : ndarray, shape (N, C)
+        Ends hold the nearest value; a column without any value is zero.
+    usable : ndarray of bool, shape (C,)
+    """
+    filled = values.copy()
+    sound: NDArray[np.bool_] = np.asarray(np.isfinite(values))
+    usable = np.asarray(sound.any(axis=0))
+    ticks = np.arange(values.shape[0])
+    for column in range(values.shape[1]):
+        if not usable[column]:
+            filled[:, column] = 0.0
+        elif not sound[:, column].all():
+            good = sound[:, column]
+            filled[:, column] = np.interp(ticks, ticks[good], values[good, column])
+    return filled, usable
+
+
+__all__ = ["TRUNK_CHANNELS", "SideChannels", "fill_gaps", "is_compensation", "side_channels"]
