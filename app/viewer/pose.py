@@ -185,7 +185,10 @@ def track_from_markers(time_s: NDArray[np.float64], markers: MarkerTrack) -> Pos
 
 
 def track_from_room(
-    given: dict[str, NDArray[np.float64]], time_s: NDArray[np.float64], body: BodyDimensions
+    given: dict[str, NDArray[np.float64]],
+    time_s: NDArray[np.float64],
+    body: BodyDimensions,
+    posture: Posture = "standing",
 ) -> PoseTrack:
     """Prepare orientations that come from elsewhere (a template) for drawing.
 
@@ -196,6 +199,8 @@ def track_from_room(
     time_s : ndarray, shape (K,)
     body : BodyDimensions
         Of the person on whom it is drawn, so that template and patient have the same lengths.
+    posture : {"standing", "seated"}
+        Of legs that are not given.
 
     Returns
     -------
@@ -203,7 +208,7 @@ def track_from_room(
         With the hands where forward kinematics puts them.
     """
     ticks = len(time_s)
-    room = _complete(given, ticks)
+    room = _complete(given, ticks, posture)
     shoulder = _shoulders({}, room["sternum"], body, ticks)
     hip = np.array([0.0, 0.0, hip_height_m(body)])
     hands = np.full((ticks, 2, 3), np.nan)
@@ -226,6 +231,11 @@ def track_from_room(
         halo_m=np.zeros((ticks, 2, 2), dtype=np.float32),
         lost=np.zeros((ticks, len(SEGMENTS)), dtype=bool),
     )
+
+
+def thigh_at_rest(posture: Posture) -> NDArray[np.float64]:
+    """Return the orientation of the thigh of somebody who faces ahead and stands or sits."""
+    return rotation.about_y(-np.pi / 2) if posture == "seated" else rotation.identity()
 
 
 def relative_rotations(room: dict[str, NDArray[np.float64]]) -> Float32:
@@ -267,7 +277,7 @@ def _complete(
         elif posture == "seated" and name.startswith(("thigh", "shank", "foot")):
             # A pelvis that leans leaves the legs on the seat; one that is turned takes them along.
             facing = rotation.about_z(rotation.split_heading(room["pelvis"])[0])
-            level = rotation.about_y(-np.pi / 2)
+            level = thigh_at_rest(posture)
             room[name] = rotation.multiply(facing, level) if name.startswith("thigh") else facing
         else:
             room[name] = upright if parent is None else room[parent]

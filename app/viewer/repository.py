@@ -175,7 +175,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             measured = measured_segments(frames)
             track = track_from_frames(fluent(thinned(frames)), setup.body, posture)
         side = exercise_side(session, found, measured)
-        ghost, clock = _ghost(session, target, found, setup.body, side)
+        ghost, clock = _ghost(session, target, found, setup.body, side, posture)
         return Contents(
             body=setup.body,
             measured=measured,
@@ -209,7 +209,12 @@ def _template_version(session: Session, subject: Subject, version_id: str) -> Te
 
 
 def _ghost(
-    session: Session, target: ViewTarget, found: MotionSession, body: BodyDimensions, side: Side
+    session: Session,
+    target: ViewTarget,
+    found: MotionSession,
+    body: BodyDimensions,
+    side: Side,
+    posture: Posture,
 ) -> tuple[Ghost | None, GhostClock | None]:
     if target.template_version_id is None:
         return None, None
@@ -233,5 +238,5 @@ def _ghost(
             results = comparison.repetitions
             if comparison.channels:
                 side = "left" if any("_left" in name for name in comparison.channels) else "right"
-    ghost = ghost_from_template(template, body, side)
+    ghost = ghost_from_template(template, body, side, posture)
     return ghost, GhostClock.of(ghost.duration_s, results, found.recording_start_s or 0.0)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.exercises.models import Posture
 from app.viewer.figure.body_mesh import build_figure
+from app.viewer.figure.ghost import Limb
 from app.viewer.figure.ghost_node import GhostNode
 from app.viewer.figure.proportions import hip_height_m
 from app.viewer.layers import nodes, palette
@@ -52,9 +53,11 @@ class BodyScene:
     ghost : PoseTrack or None
         The template over its phases 0 to 100, drawn on this body.
     ghost_side : {"left", "right"}
-        The arm that the template is about.
+        The side that the template is about.
     posture : {"standing", "seated"}
         Of the exercise. Who sits does so until `sit` says otherwise.
+    ghost_limb : {"arm", "leg"}
+        What the template is about.
     """
 
     def __init__(
@@ -66,6 +69,7 @@ class BodyScene:
         ghost: PoseTrack | None = None,
         ghost_side: Side = "right",
         posture: Posture = "standing",
+        ghost_limb: Limb = "arm",
     ) -> None:
         self._server = server
         self._hip_m = hip_height_m(body, posture)
@@ -100,9 +104,9 @@ class BodyScene:
                 for joint, segment in enumerate(("forearm", "hand"))
             }
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
-            self._ghost = (
-                GhostNode(server, ghost, body, ghost_side, self._drop_m) if ghost is not None else None
-            )
+            self._ghost = None
+            if ghost is not None:
+                self._ghost = GhostNode(server, ghost, body, ghost_side, self._drop_m, ghost_limb)
         self._mass: MassNode | None = None
         self._modules: ModuleLayer | None = None
         self._sensors: SensorLayer | None = None

@@ -12,7 +12,7 @@ from viser import _messages as viser_messages
 from app.errors import Unavailable
 from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, best_sight, preset
-from app.viewer.figure.ghost_arm import hand_points_m
+from app.viewer.figure.ghost_node import limb_points_m
 from app.viewer.guard import SceneSecret, guarded
 from app.viewer.layers.nodes import theme_updates
 from app.viewer.layers.single_sensors import HEIGHT_M
@@ -73,7 +73,9 @@ class Stage:
         self._posture, self._movement = contents.posture, contents.movement
         self._sight = None
         if ghost is not None:
-            self._sight = best_sight(hand_points_m(ghost.track, contents.body, ghost.side), ghost.side)
+            self._sight = best_sight(
+                limb_points_m(ghost.track, contents.body, ghost.side, ghost.limb), ghost.side
+            )
         try:
             self.scene = BodyScene(
                 self._server,
@@ -83,6 +85,7 @@ class Stage:
                 ghost.track if ghost is not None else None,
                 contents.side,
                 contents.posture,
+                ghost.limb if ghost is not None else "arm",
             )
         except BaseException:
             self._server.stop()

@@ -3,17 +3,20 @@
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
-from app.viewer.pose import PoseTrack, track_from_room
+from app.exercises.models import Posture
+from app.viewer.pose import PoseTrack, thigh_at_rest, track_from_room
 from estimators.arm import segments_from_angles
 from estimators.body import BodyDimensions
 from estimators.comparison import PHASES, RepetitionResult, Template, mirror_template
 from estimators.conventions import Side
+from estimators.leg import leg_from_angles, lower_segment
 from estimators.recording import Float
 
+Limb = Literal["arm", "leg"]
 PAUSE_S: Final = 1.0
 """Rest between two showings when nobody says where a repetition begins."""
 
@@ -31,14 +34,19 @@ class Ghost:
     side : {"left", "right"}
     duration_s : float
         Of one repetition of the therapist.
+    limb : {"arm", "leg"}
+        Which its main angle is of.
     """
 
     track: PoseTrack
     side: Side
     duration_s: float
+    limb: Limb
 
 
-def ghost_from_template(template: Template, body: BodyDimensions, side: Side) -> Ghost:
+def ghost_from_template(
+    template: Template, body: BodyDimensions, side: Side, posture: Posture = "standing"
+) -> Ghost:
     """Put a template on a body.
 
     Parameters
@@ -47,7 +55,9 @@ def ghost_from_template(template: Template, body: BodyDimensions, side: Side) ->
     body : BodyDimensions
         The patient's, so that the two figures differ only in how they move.
     side : {"left", "right"}
-        The patient's arm; a template of the other arm is mirrored.
+        The patient's side; a template of the other side is mirrored.
+    posture : {"standing", "seated"}
+        Of the exercise: how the upper segments of a leg are where the template does not know.
     """
     if template.side != side:
         template = mirror_template(template)
@@ -63,8 +73,10 @@ def ghost_from_template(template: Template, body: BodyDimensions, side: Side) ->
     for pattern, value in _AT_REST.items():
         angles.setdefault(pattern.format(side=side), np.full(PHASES, value))
     segments = segments_from_angles(angles, (side,))
-    track = track_from_room(dict(segments), np.linspace(0.0, template.duration_s, PHASES), body)
-    return Ghost(track, side, max(template.duration_s, 0.1))
+    segments |= leg_from_angles(angles, side, thigh_at_rest(posture))
+    track = track_from_room(segments, np.linspace(0.0, template.duration_s, PHASES), body, posture)
+    limb: Limb = "leg" if lower_segment(template.primary_channel) else "arm"
+    return Ghost(track, side, max(template.duration_s, 0.1), limb)
 
 
 @dataclass(frozen=True)

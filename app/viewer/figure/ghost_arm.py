@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.viewer.figure.limbs import forearm_shape, hand_shape, upper_arm_shape
 from app.viewer.figure.proportions import REFERENCE_STATURE_M
-from app.viewer.figure.surface import Mesh, Shape, inflated, polygonise, smooth_union
+from app.viewer.figure.surface import Mesh, Shape, inflated, lowered, polygonise, smooth_union
 from app.viewer.pose import SEGMENTS, PoseTrack
 from estimators import rotation
 from estimators.body import BodyDimensions
@@ -28,16 +28,16 @@ _LARGER_M: Final = 0.0035
 
 
 @dataclass(frozen=True)
-class SkinnedArm:
-    """An arm hanging straight down, palm forward, with the bones it follows.
+class SkinnedLimb:
+    """A limb hanging straight down in the anatomical position, with the B bones it follows.
 
     Attributes
     ----------
     mesh : Mesh
-        Origin at the shoulder.
-    weights : ndarray of float32, shape (V, 5)
+        Origin at the shoulder or the hip.
+    weights : ndarray of float32, shape (V, B)
         Share of each bone in each vertex; rows sum to one.
-    joints_m : ndarray of float32, shape (5, 3)
+    joints_m : ndarray of float32, shape (B, 3)
         Where the bones begin.
     """
 
@@ -47,28 +47,28 @@ class SkinnedArm:
 
 
 @lru_cache(maxsize=32)
-def skinned_arm(body: BodyDimensions, side: Side) -> SkinnedArm:
+def skinned_arm(body: BodyDimensions, side: Side) -> SkinnedLimb:
     """Return the arm of a person."""
     wide = body.stature_m / REFERENCE_STATURE_M
     elbow, wrist = -body.upper_arm_m, -body.upper_arm_m - body.forearm_m
     shape = smooth_union(
         [
             upper_arm_shape(body, wide),
-            _lowered(forearm_shape(body, wide), elbow),
-            _lowered(hand_shape(body), wrist),
+            lowered(forearm_shape(body, wide), elbow),
+            lowered(hand_shape(body), wrist),
         ],
         0.010 * wide,
     )
     low = wrist - 1.08 * body.hand_m
     mesh = polygonise(
-        inflated(shape, _LARGER_M * wide),
+        skin_outside(shape, wide),
         (-0.08 * wide, -0.09 * wide, low),
         (0.09 * wide, 0.12 * wide, 0.07 * wide),
         0.0078 * wide,
     )
     height = mesh.vertices_m[:, 2].astype(np.float64)
-    below_elbow = _ramp(elbow + 0.030 * wide - height, 0.060 * wide)
-    in_hand = _ramp(wrist + 0.020 * wide - height, 0.040 * wide)
+    below_elbow = ramp(elbow + 0.030 * wide - height, 0.060 * wide)
+    in_hand = ramp(wrist + 0.020 * wide - height, 0.040 * wide)
     along = np.clip((elbow - height) / body.forearm_m, 0.0, 1.0)
     turn = [
         np.clip(1.0 - 2.0 * along, 0.0, 1.0),
@@ -80,7 +80,7 @@ def skinned_arm(body: BodyDimensions, side: Side) -> SkinnedArm:
         [1.0 - below_elbow, *(in_forearm * share for share in turn), below_elbow * in_hand], axis=1
     )
     joints = np.array([[0, 0, 0], *([[0, 0, elbow]] * 3), [0, 0, wrist]], dtype=np.float32)
-    return SkinnedArm(mesh if side == "left" else mesh.mirrored(), weights.astype(np.float32), joints)
+    return SkinnedLimb(mesh if side == "left" else mesh.mirrored(), weights.astype(np.float32), joints)
 
 
 def bone_track(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Float32, Float32]:
@@ -146,12 +146,13 @@ def _swing_and_turn(q: Float) -> tuple[Float, Float]:
     return rotation.multiply(q, rotation.about_z(-turn)), np.unwrap(turn)
 
 
-def _lowered(shape: Shape, to_z_m: float) -> Shape:
-    offset = np.array([0.0, 0.0, to_z_m])
-    return lambda points: shape(points - offset)
+def skin_outside(shape: Shape, wide: float) -> Shape:
+    """Return the ghost's skin over a shape of the figure."""
+    return inflated(shape, _LARGER_M * wide)
 
 
-def _ramp(value: Float, width: float) -> Float:
+def ramp(value: Float, width: float) -> Float:
+    """Return how far a value is on its way from 0 to a width, 0 to 1, without corners."""
     share = np.clip(value / width, 0.0, 1.0)
     smooth: Float = share * share * (3.0 - 2.0 * share)
     return smooth

@@ -1,4 +1,4 @@
-"""The template in the scene: a translucent arm in the accent colour, and the dashed way of its hand."""
+"""The template in the scene: a translucent arm or leg in the accent colour, and the dashed way of its end."""
 
 from typing import Any, Final
 
@@ -7,15 +7,18 @@ import viser
 from numpy.typing import NDArray
 from viser import _messages as wire
 
-from app.viewer.figure.ghost_arm import BONES, bone_track, skinned_arm
+from app.viewer.figure.ghost import Limb
+from app.viewer.figure.ghost_arm import bone_track, hand_points_m, skinned_arm
+from app.viewer.figure.ghost_leg import foot_points_m, hip_joint_m, leg_bones, skinned_leg
 from app.viewer.figure.proportions import hip_height_m
 from app.viewer.layers.palette import ACCENT
 from app.viewer.pose import PoseTrack
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
+from estimators.recording import Float
 
 GHOST: Final = "/template"
-_ARM: Final = f"{GHOST}/figure/arm"
+_LIMB: Final = f"{GHOST}/figure/limb"
 _OPACITY: Final = 0.5
 _DASH_M, _GAP_M = 0.030, 0.018
 _SAME_WAY_M: Final = 0.03
@@ -38,6 +41,8 @@ class GhostNode:
     side : {"left", "right"}
     drop_m : float
         How much lower the patient's hips are than standing.
+    limb : {"arm", "leg"}
+        What of the template is shown.
     """
 
     def __init__(
@@ -47,30 +52,33 @@ class GhostNode:
         body: BodyDimensions,
         side: Side,
         drop_m: float = 0.0,
+        limb: Limb = "arm",
     ) -> None:
         self._server = server
-        arm = skinned_arm(body, side)
-        self._wxyz, self._position = bone_track(track, body, side)
-        neutral = np.array([0.0, (0.5 if side == "left" else -0.5) * body.shoulder_width_m, body.trunk_m])
+        skin = skinned_arm(body, side) if limb == "arm" else skinned_leg(body, side)
+        bones = bone_track if limb == "arm" else leg_bones
+        self._wxyz, self._position = bones(track, body, side)
+        shoulder = np.array([0.0, (0.5 if side == "left" else -0.5) * body.shoulder_width_m, body.trunk_m])
+        neutral = shoulder if limb == "arm" else hip_joint_m(body, side)
         server.scene.add_frame(GHOST, show_axes=False, position=(0.0, 0.0, -drop_m))
         self._root = server.scene.add_frame(
             f"{GHOST}/figure", show_axes=False, position=(0.0, 0.0, hip_height_m(body))
         )
-        self._sent_wxyz = np.tile(np.array([1, 0, 0, 0], np.float32), (BONES, 1))
-        self._sent_position = (arm.joints_m + neutral).astype(np.float32)
+        self._sent_wxyz = np.tile(np.array([1, 0, 0, 0], np.float32), (len(skin.joints_m), 1))
+        self._sent_position = (skin.joints_m + neutral).astype(np.float32)
         server.scene.add_mesh_skinned(
-            _ARM,
-            (arm.mesh.vertices_m + neutral).astype(np.float32),
-            arm.mesh.faces,
+            _LIMB,
+            (skin.mesh.vertices_m + neutral).astype(np.float32),
+            skin.mesh.faces,
             bone_wxyzs=self._sent_wxyz,
             bone_positions=self._sent_position,
-            skin_weights=arm.weights,
+            skin_weights=skin.weights,
             color=ACCENT,
             opacity=_OPACITY,
             cast_shadow=False,
             receive_shadow=False,
         )
-        dashes = dashed(track.hand_m[:, SIDES.index(side)])
+        dashes = dashed(_end_m(track, body, side, limb))
         self._path: Any = None
         if len(dashes):
             self._path = server.scene.add_line_segments(
@@ -79,7 +87,7 @@ class GhostNode:
         self._is_visible = True
 
     def show(self, phase: float | None, *, with_path: bool = True) -> None:
-        """Show a phase from 0 to 100, interpolated; None hides the arm, and its path only when asked for."""
+        """Show a phase from 0 to 100, interpolated; None hides the limb, and its path only when asked for."""
         if self._path is not None and self._path.visible != with_path:
             self._path.visible = with_path
         if (phase is not None) != self._is_visible:
@@ -93,13 +101,26 @@ class GhostNode:
         wxyz = _blend(self._wxyz[before], self._wxyz[before + 1], share)
         position = self._position[before] * (1 - share) + self._position[before + 1] * share
         queue = self._server._websock_server.queue_message
-        for bone in range(BONES):
+        for bone in range(len(wxyz)):
             if np.abs(wxyz[bone] - self._sent_wxyz[bone]).max() > _TURN_EPSILON:
-                queue(wire.SetBoneOrientationMessage(_ARM, bone, tuple(wxyz[bone].tolist())))
+                queue(wire.SetBoneOrientationMessage(_LIMB, bone, tuple(wxyz[bone].tolist())))
                 self._sent_wxyz[bone] = wxyz[bone]
             if np.abs(position[bone] - self._sent_position[bone]).max() > _SHIFT_EPSILON_M:
-                queue(wire.SetBonePositionMessage(_ARM, bone, tuple(position[bone].tolist())))
+                queue(wire.SetBonePositionMessage(_LIMB, bone, tuple(position[bone].tolist())))
                 self._sent_position[bone] = position[bone]
+
+
+def limb_points_m(track: PoseTrack, body: BodyDimensions, side: Side, limb: Limb) -> Float:
+    """Return places over a template's movement by which it is looked at, its end first, shape (K, N, 3)."""
+    return hand_points_m(track, body, side) if limb == "arm" else foot_points_m(track, body, side)
+
+
+def _end_m(track: PoseTrack, body: BodyDimensions, side: Side, limb: Limb) -> Float32:
+    if limb == "arm":
+        return track.hand_m[:, SIDES.index(side)]
+    ankle: Float32 = foot_points_m(track, body, side)[:, 0].astype(np.float32)
+    ankle[:, 2] += np.float32(hip_height_m(body))
+    return ankle
 
 
 def ghost_visibility(on: bool) -> Any:

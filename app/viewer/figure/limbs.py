@@ -140,9 +140,9 @@ def hand(body: BodyDimensions, _wide: float) -> Mesh:
     )
 
 
-def thigh(body: BodyDimensions, wide: float) -> Mesh:
+def thigh_shape(body: BodyDimensions, wide: float) -> Shape:
     """Trouser leg down to the knee."""
-    long, side = leg_lengths_m(body)[0], 0.13 * wide
+    long = leg_lengths_m(body)[0]
     stations = [-1.0, -0.85, -0.60, -0.30, -0.10, 0.0]
     depths, widths = [0.056, 0.060, 0.073, 0.085, 0.087, 0.085], [0.054, 0.058, 0.069, 0.078, 0.080, 0.078]
     leg = lofted(
@@ -155,15 +155,18 @@ def thigh(body: BodyDimensions, wide: float) -> Mesh:
         ellipsoid((0, 0, 0), (0.085 * wide, 0.078 * wide, 0.080 * wide)),
         ellipsoid((0, 0, -long), (0.057 * wide, 0.055 * wide, 0.058 * wide)),
     ]
-    return polygonise(
-        smooth_union([leg, *ends], 0.02 * wide),
-        (-side, -side, -long - 0.09 * wide),
-        (side, side, 0.11 * wide),
-        0.0180 * wide,
-    )
+    return smooth_union([leg, *ends], 0.02 * wide)
 
 
-def _shank_shape(body: BodyDimensions, wide: float) -> Shape:
+def thigh(body: BodyDimensions, wide: float) -> Mesh:
+    """Trouser leg down to the knee."""
+    long, side = leg_lengths_m(body)[0], 0.13 * wide
+    low, high = (-side, -side, -long - 0.09 * wide), (side, side, 0.11 * wide)
+    return polygonise(thigh_shape(body, wide), low, high, 0.0180 * wide)
+
+
+def shank_shape(body: BodyDimensions, wide: float) -> Shape:
+    """Leg from the knee to the ankle."""
     long = leg_lengths_m(body)[1]
     stations = [-1.0, -0.85, -0.55, -0.30, -0.12, 0.0]
     depths, widths = [0.048, 0.048, 0.054, 0.060, 0.058, 0.056], [0.046, 0.046, 0.050, 0.056, 0.055, 0.054]
@@ -181,7 +184,7 @@ def shank(body: BodyDimensions, wide: float) -> Mesh:
     long, side = leg_lengths_m(body)[1], 0.10 * wide
     knee = ellipsoid((0, 0, 0), (0.0570 * wide, 0.0550 * wide, 0.0580 * wide))
     shape = smooth_union(
-        [cut(_shank_shape(body, wide), (0, 0, -0.965 * long), (0, 0, -1), 0.008 * wide), knee], 0.02 * wide
+        [cut(shank_shape(body, wide), (0, 0, -0.965 * long), (0, 0, -1), 0.008 * wide), knee], 0.02 * wide
     )
     return polygonise(shape, (-side, -side, -long - 0.03 * wide), (side, side, 0.09 * wide), 0.0165 * wide)
 
@@ -195,7 +198,7 @@ def ankle(body: BodyDimensions, wide: float) -> Mesh:
     return polygonise(shape, (-side, -side, -1.16 * long), (side, side, -0.68 * long), 0.0150 * wide)
 
 
-def shoe(body: BodyDimensions, wide: float) -> Mesh:
+def shoe_shape(body: BodyDimensions, wide: float) -> Shape:
     """Left shoe with a flat sole; the origin is the ankle."""
     low = -leg_lengths_m(body)[2]
     heel = ellipsoid((-0.030 * wide, 0, low + 0.038 * wide), (0.048 * wide, 0.037 * wide, 0.052 * wide))
@@ -217,9 +220,14 @@ def shoe(body: BodyDimensions, wide: float) -> Mesh:
     shape = cut(
         smooth_union([heel, middle, toes, collar], 0.03 * wide), (0, 0, low), (0, 0, -1), 0.010 * wide
     )
-    shape = cut(shape, (-0.01 * wide, 0, low + 0.098 * wide), (0.25, 0, 1), 0.008 * wide)
+    return cut(shape, (-0.01 * wide, 0, low + 0.098 * wide), (0.25, 0, 1), 0.008 * wide)
+
+
+def shoe(body: BodyDimensions, wide: float) -> Mesh:
+    """Left shoe with a flat sole; the origin is the ankle."""
+    low = -leg_lengths_m(body)[2]
     return polygonise(
-        shape,
+        shoe_shape(body, wide),
         (-0.13 * wide, -0.10 * wide, low - 0.02),
         (0.24 * wide, 0.10 * wide, low + 0.16 * wide),
         0.0125 * wide,

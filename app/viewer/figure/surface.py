@@ -156,6 +156,12 @@ def inflated(shape: Shape, by_m: float) -> Shape:
     return lambda points: shape(points) - by_m
 
 
+def lowered(shape: Shape, to_z_m: float) -> Shape:
+    """Move the surface up to a height."""
+    offset = np.array([0.0, 0.0, to_z_m])
+    return lambda points: shape(points - offset)
+
+
 def polygonise(shape: Shape, low_m: Sequence[float], high_m: Sequence[float], cell_m: float) -> Mesh:
     """Return the closed surface of a shape that lies wholly inside a box.
 
