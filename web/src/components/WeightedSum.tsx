@@ -2,7 +2,7 @@
 import { useId } from 'react';
 import type { WeightedSum as Sum } from '../api/types';
 import { t } from '../i18n';
-import { number, plainTick, uncertain, weighedQuantity } from '../lib/format';
+import { number, plainTick, weighedQuantity } from '../lib/format';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */
@@ -12,16 +12,20 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
   const title = useId();
   const note = isPaper ? 'paper-note' : 'muted small';
   return (
-    <section className={isPaper ? 'paper-sum' : 'stack'} aria-labelledby={title}>
+    <section className={isPaper ? 'paper-sum' : 'sum-part'} aria-labelledby={title}>
       <h3 id={title}>{t('compare.sum')}</h3>
       <p className={note}>{t('compare.sumLead')}</p>
-      <table className={isPaper ? 'paper-table' : 'plain-table measures weighted stacked-table'}>
+      <table className={isPaper ? 'paper-table weighted' : 'plain-table measures weighted stacked-table'}>
         <caption className="visually-hidden">{t('compare.sum')}</caption>
         <thead>
           <tr>
             <th scope="col">{t('compare.measure')}</th>
-            <th scope="col">{t('compare.weight')}</th>
-            <th scope="col">{t('compare.part')}</th>
+            <th scope="col" className="number">
+              {t('compare.weight')}
+            </th>
+            <th scope="col" className="number">
+              {t('compare.part')}
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -48,6 +52,12 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
           <tr>
             <th scope="row" colSpan={2}>
               {t('compare.sumOf')}
+              {sum.count > 0 && (
+                <span className="measure-note muted small">
+                  {sum.uncertainty !== null && `± ${number(sum.uncertainty, DIGITS)} `}
+                  {t('compare.count', { count: sum.count })}
+                </span>
+              )}
               {sum.template_value !== null && (
                 <span className="measure-note muted small">
                   {t('design.weightTemplate', { value: number(sum.template_value, DIGITS) })}
@@ -55,8 +65,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
               )}
             </th>
             <td className="number strong" data-label={t('compare.thisSession')}>
-              {uncertain(sum.value, sum.uncertainty, '1')}{' '}
-              {sum.count > 0 && <span className="muted small">{t('compare.count', { count: sum.count })}</span>}
+              {number(sum.value, DIGITS)}
             </td>
           </tr>
         </tfoot>

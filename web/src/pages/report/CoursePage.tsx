@@ -146,9 +146,12 @@ function Summary({ patient, course, progress }: CourseProps) {
   );
 }
 
-function Ends({ comparison, title }: { comparison: ComparisonDetail; title: string }) {
+/** So many curves of each end, and one fewer where its sum stands below, fill the sheet. */
+const MOST_CURVES = 3;
+
+function Ends({ comparison, title, curves: most }: { comparison: ComparisonDetail; title: string; curves: number }) {
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
-  const curves = pickCurves(comparison.curves, false, primaryChannel(comparison.summary));
+  const curves = pickCurves(comparison.curves, false, primaryChannel(comparison.summary)).slice(0, most);
   return (
     <div className="paper-end">
       <h3>
@@ -177,6 +180,7 @@ function Curves({ patient, course }: Omit<CourseProps, 'progress'>) {
   const isOne = course.first_comparison_id === course.last_comparison_id;
   const ends = isOne ? [newest.data] : [first.data, newest.data];
   const dates = isOne ? [course.last_at] : [course.first_at, course.last_at];
+  const most = ends.some((one) => one.weighted_sum) ? MOST_CURVES - 1 : MOST_CURVES;
   const words = isOne ? (['course.newest'] as const) : (['course.first', 'course.newest'] as const);
   return (
     <Sheet title={t('course.curves')} number={2} patient={patient} version={course.service_version}>
@@ -186,6 +190,7 @@ function Curves({ patient, course }: Omit<CourseProps, 'progress'>) {
           <Ends
             key={one.id}
             comparison={one}
+            curves={most}
             title={t(words[index] ?? 'course.newest', { date: date(dates[index] ?? one.created_at, EPOCH) })}
           />
         ))}

@@ -1,5 +1,6 @@
 import { useVersion } from '../../api/queries';
 import type { Estimator, Exercise, TemplateVersionDetail } from '../../api/types';
+import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
 import { channelLabel, placementLabel } from '../../lib/channels';
 import { date, number } from '../../lib/format';
@@ -101,6 +102,8 @@ export function MethodSheet({ session, patient, comparison, template, estimators
           </ul>
         </>
       )}
+      {/* Here is room: it is as long as the therapist made it. */}
+      {comparison?.weighted_sum && <WeightedSum sum={comparison.weighted_sum} isPaper />}
       <h3>{t('report.meaning')}</h3>
       <dl className="paper-method">
         {(['spread', 'change', 'band', 'phase', 'sparc', 'angles'] as const).map((word) => (

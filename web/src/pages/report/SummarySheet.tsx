@@ -2,7 +2,6 @@ import type { MeasureValue, ProgressMeasure } from '../../api/types';
 import { PaperProgress } from '../../charts/PaperChart';
 import { changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
-import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
@@ -146,7 +145,6 @@ export function SummarySheet(props: ReportProps) {
         </table>
       )}
       <p className="paper-note">{t('report.tableHelp')}</p>
-      {comparison?.weighted_sum && <WeightedSum sum={comparison.weighted_sum} isPaper />}
     </Sheet>
   );
 }

@@ -115,7 +115,7 @@ describe('the measures of a comparison', () => {
     const text = (name: RegExp) => table.getByRole('row', { name }).textContent;
     expect(text(/Elbow flexion/)).toBe('Elbow flexion, range of motion50° · template: 54°× 1.575.00');
     expect(text(/Duration/)).toBe('Duration3.0 s · template: 2.0 s× −1.25−3.75');
-    expect(text(/^Sum/)).toBe('Sumtemplate: 78.5071.25 ± 4.50 (mean of 3)');
+    expect(text(/^Sum/)).toBe('Sum± 4.50 (mean of 3)template: 78.5071.25');
   });
 
   it('have unit, uncertainty and count, and say why one is undefined', async () => {

@@ -3,7 +3,7 @@ import { screen, within } from '@testing-library/react';
 import { describe, expect, it } from 'vitest';
 import type { ComparisonDetail, Patient, SessionDetail } from '../../../src/api/types';
 import { CoursePage } from '../../../src/pages/report/CoursePage';
-import { SummarySheet } from '../../../src/pages/report/SummarySheet';
+import { MethodSheet } from '../../../src/pages/report/MethodSheet';
 import { renderPage } from '../render';
 
 const PART = { measure: 'duration', label: 'Duration', unit: 's', weight: -1.25, value: 3, part: -3.75 };
@@ -30,13 +30,29 @@ const compared = (change: object) =>
     weighted_sum: SUM,
     ...change,
   }) as unknown as ComparisonDetail;
-const SESSION = { id: 's', created_at: '2026-01-01T10:00:00Z', duration_s: 60 } as SessionDetail;
+const SESSION = {
+  id: 's',
+  created_at: '2026-01-01T10:00:00Z',
+  duration_s: 60,
+  placements: [],
+  events: [],
+  results: [],
+} as unknown as SessionDetail;
 const PATIENT = { id: 'p', given_name: 'Ada', family_name: 'Lund' } as Patient;
 
-const summary = (comparison: ComparisonDetail) =>
-  renderPage(<SummarySheet session={SESSION} patient={PATIENT} comparison={comparison} progress={null} />, {
-    answers: {},
-  });
+const method = (comparison: ComparisonDetail) =>
+  renderPage(
+    <MethodSheet
+      session={SESSION}
+      patient={PATIENT}
+      comparison={comparison}
+      template={null}
+      estimators={[]}
+      exercise={null}
+      progress={null}
+    />,
+    { answers: {} },
+  );
 
 function check() {
   const table = within(screen.getByRole('table', { name: 'Weighted sum' }));
@@ -45,20 +61,21 @@ function check() {
   expect(minus).toContain('× −1.25');
   expect(minus).toContain('−3.75');
   const sum = table.getByRole('row', { name: /^Sum/ }).textContent;
-  expect(sum).toContain('71.25 ± 4.50');
+  expect(sum).toContain('± 4.50 (mean of');
   expect(sum).toContain('78.50');
+  expect(sum).toMatch(/71\.25$/);
 }
 
 describe('a weighted sum on paper', () => {
   it('stands with its parts on the report of a session', () => {
-    summary(compared({}));
+    method(compared({}));
     check();
   });
 
   it('is no empty table where there is none, and says why it has no value', () => {
-    summary(compared({ weighted_sum: null }));
+    method(compared({ weighted_sum: null }));
     expect(screen.queryByText('Weighted sum')).toBeNull();
-    summary(compared({ weighted_sum: { ...SUM, value: null, uncertainty: null, count: 0 } }));
+    method(compared({ weighted_sum: { ...SUM, value: null, uncertainty: null, count: 0 } }));
     expect(screen.getByText('No repetition has every part, so there is no sum.')).toBeTruthy();
   });
 

@@ -37,7 +37,7 @@ export const doing: Translated<typeof english> = {
     'Weiter als so sollen Sie sich nicht bewegen. Ruhen Sie sich aus und machen Sie dann kleinere Bewegungen.',
   'doing.held.done': 'Alles geschafft!',
   'doing.held.done.text': 'Sie haben bei dieser Übung alles gemacht.',
-  'doing.held.set': 'Gut gemacht. Ruhen Sie einen Moment',
+  'doing.held.set': 'Gut gemacht. Kurze\u00a0Pause',
   'doing.held.set.text': {
     one: 'Noch {count} für heute. Machen Sie weiter, wenn Sie so weit sind.',
     other: 'Noch {count} für heute. Machen Sie weiter, wenn Sie so weit sind.',

@@ -63,7 +63,7 @@ export const report: Translated<typeof english> = {
   'report.change': 'Diese Sitzung gegenüber den ersten drei',
   'report.real': '{change}, eine echte Veränderung',
   'report.chance': '{change}, im Zufallsbereich',
-  'report.unjudged': 'zu wenige Sitzungen für eine Aussage',
+  'report.unjudged': 'zu wenige Sitzungen',
   'report.tableHelp':
     'Nach ±: eine Standardabweichung zwischen den Wiederholungen. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Sitzungen.',
   'report.isFirst': 'eine der ersten drei',

@@ -60,7 +60,7 @@ export const report = {
   'report.change': 'This session against the first three',
   'report.real': '{change}, a real change',
   'report.chance': '{change}, within chance variation',
-  'report.unjudged': 'not enough sessions to tell',
+  'report.unjudged': 'too few sessions',
   'report.tableHelp':
     'After ±: one standard deviation between repetitions. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
   'report.isFirst': 'one of the first three',

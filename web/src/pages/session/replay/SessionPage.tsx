@@ -222,10 +222,12 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           </Tabs.Panel>
         </Tabs>
       </div>
-      <Said session={session} />
-      {comparison && comparison.repetitions.length > 0 && (
-        <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />
-      )}
+      <div className="stack below">
+        <Said session={session} />
+        {comparison && comparison.repetitions.length > 0 && (
+          <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />
+        )}
+      </div>
     </>
   );
 }
