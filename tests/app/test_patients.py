@@ -258,6 +258,8 @@ def test_exercises_belong_to_the_clinic(therapist, patient, foreign_therapist, w
     assert patient.post("/api/exercises", json=body).status_code == 403
     wrong = therapist.post("/api/exercises", json=body | {"side": "right"})
     assert wrong.json()["details"]["field"] == "primary_angle"
+    knee = {"name": "Straighten", "movement": "other", "primary_angle": "thigh_shank_left_zxy_flexion"}
+    assert therapist.post("/api/exercises", json=body | knee).status_code == 201
 
 
 def test_a_therapist_says_whether_an_exercise_is_done_sitting(

@@ -8,8 +8,10 @@ from sqlalchemy import Engine, select
 
 from app.accounts.models import AuditEvent
 from app.assessment.design.compiled import drawn_template
+from app.assessment.design.prescribed import exercise_side
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise, TemplateVersion
+from app.recordings.models import MotionSession
 from estimators.comparison import compare, mirror_trajectory
 from tests.estimators.comparison.conftest import make_planar
 
@@ -134,3 +136,21 @@ def test_a_patients_template_stays_that_patients(
     other = {**body, "patient_id": world.other_patient_id}
     assert therapist.post(path, json=other).status_code == 422
     assert therapist.post(path, json={**body, "patient_id": world.patient_id}).status_code == 201
+
+
+@pytest.mark.parametrize(
+    ("angle", "worn", "side"),
+    [
+        (MAIN, {"upper_arm_left", "thigh_right"}, "left"),
+        ("thigh_shank_right_zxy_flexion", {"upper_arm_left", "thigh_right", "shank_right"}, "right"),
+        ("thigh_shank_right_zxy_flexion", {"pelvis", "thigh_left", "shank_left"}, "left"),
+        ("thigh_shank_right_zxy_flexion", {"sternum"}, "right"),
+    ],
+)
+def test_the_side_is_that_of_the_exercise_unless_only_the_other_limb_is_worn(
+    engine: Engine, world: Any, angle: str, worn: set[str], side: str
+) -> None:
+    found = MotionSession(exercise_id=world.exercise_id, patient_id=world.patient_id)
+    with unit_of_work(engine) as session:
+        session.get_one(Exercise, world.exercise_id).primary_angle = angle
+        assert exercise_side(session, found, frozenset(worn)) == side

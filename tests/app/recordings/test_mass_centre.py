@@ -139,6 +139,7 @@ def test_without_leg_sensors_the_reason_is_told(engine: Engine, new_session: Any
 def test_uploads_keep_the_legs_when_asked() -> None:
     assert ArmPipeline.used(WORN) == WORN[:4]
     assert ArmPipeline.used(WORN, with_legs=True) == WORN
+    assert ArmPipeline.used(("pelvis", *LEGS)) == ("pelvis", *LEGS), "without arms they are what was recorded"
 
 
 def test_the_ball_is_drawn_within_the_figure(run: tuple[SessionSetup, Frames]) -> None:

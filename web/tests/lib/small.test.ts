@@ -3,7 +3,7 @@ import type { AuditEntry, CaseloadRow, ProgressMeasure } from '../../src/api/typ
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
 import { matches } from '../../src/lib/assessment/caseload';
-import { placementProblem } from '../../src/lib/placements';
+import { placementProblem, suggestedPlacements } from '../../src/lib/placements';
 import { plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
@@ -77,6 +77,16 @@ describe('placements', () => {
     expect(placementProblem(['forearm_left'])).toBe('placements.needUpperArm');
     expect(placementProblem(['upper_arm_left', 'hand_left'])).toBe('placements.needForearm');
     expect(placementProblem(['upper_arm_left', 'forearm_left', 'hand_left'])).toBeNull();
+  });
+});
+
+describe('what is worn at home', () => {
+  it('is the arm of the affected side, or the leg whose angle counts', () => {
+    expect(suggestedPlacements('left')).toEqual(['sternum', 'upper_arm_left', 'forearm_left', 'hand_left']);
+    expect(suggestedPlacements('left', 'humerus_forearm_right_zxy_flexion')).toEqual(suggestedPlacements('left'));
+    const leg = suggestedPlacements('left', 'thigh_shank_right_zxy_flexion');
+    expect(leg).toEqual(['sternum', 'pelvis', 'thigh_right', 'shank_right', 'foot_right']);
+    expect(placementProblem(leg)).toBeNull();
   });
 });
 

@@ -14,6 +14,9 @@ describe('channelLabel', () => {
       side: 'right',
     });
     expect(channelLabel('thorax_humerus_left_yxy_plane_of_elevation').text).toBe('Shoulder plane of elevation, left');
+    expect(channelLabel('thigh_shank_left_zxy_flexion')).toMatchObject({ text: 'Knee flexion, left', side: 'left' });
+    // The same two places as a magnetic pair.
+    expect(channelLabel('pelvis_thigh_left_zyx_flexion').text).not.toContain('Hip');
   });
   it('names scalars and points with their unit', () => {
     expect(channelLabel('trunk_lean_forward_rad')).toMatchObject({ text: 'Trunk forward lean', unit: 'rad' });
