@@ -25,7 +25,7 @@ LATE_S: Final = 0.25
 CROWDED_BUSY: Final = 0.3
 CROWDED_S: Final = 0.03
 """Where the thread uses more than that share and a quarter of its turns comes later, its sessions use the machine up:
-other threads estimate and store for them. One frame in a hundred is then three times as late."""
+other threads estimate and store for them."""
 USUAL_COST: Final = 0.0032
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
 LEAST_COST: Final = 0.0015

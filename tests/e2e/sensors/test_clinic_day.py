@@ -6,7 +6,6 @@ repetitions and the phases in which they were; progress, caseload and both repor
 
 import re
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
@@ -23,9 +22,9 @@ from app.demo.dating import date_back
 from app.demo.people import PATIENTS, THERAPIST
 from app.exercises.models import Prescription
 from estimators.simulation import demonstration_scenario
-from tests.e2e.conftest import Service, Visitor, serving
+from tests.e2e.conftest import Service, Visitor
 from tests.e2e.sensors import sensors_at_home as home
-from tests.e2e.sensors.broken_link import Relay, relaying
+from tests.e2e.sensors.broken_link import Relay
 from tests.e2e.sensors.clinic_gateway import PACE, Gateway
 from tests.e2e.sensors.evenings import (
     EXERCISE,
@@ -47,19 +46,6 @@ GOOD = (SOUND,) * GOAL
 COMPENSATED = (SOUND, LEANING, SOUND, LEANING, LEANING)
 POOR = (SOUND, SHORT, SHORT_AND_SLOW, SLOW)
 BROKEN_S = 4.0
-
-
-@pytest.fixture(scope="module")
-def relay() -> Iterator[Relay]:
-    with relaying() as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def service(relay: Relay, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    with serving(tmp_path_factory.mktemp("clinic"), base_url=relay.address) as one:
-        relay.serve(one.address)
-        yield one
 
 
 def opened(chromium: Browser, relay: Relay, email: str, width: int) -> Visitor:

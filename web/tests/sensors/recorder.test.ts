@@ -3,18 +3,11 @@ import { IDBFactory } from 'fake-indexeddb';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { Sample } from '../../src/sensors/gateway/grid';
 import { Recorder } from '../../src/sensors/gateway/recorder';
-import { PacketStore, type StoredNetwork } from '../../src/sensors/gateway/store';
+import { PacketStore } from '../../src/sensors/gateway/store';
 import { FakeService } from './fakeService';
+import { NETWORK as network } from './fakeWorker';
 
 const STEP_MS = 1000 / 60;
-const network: StoredNetwork = {
-  sessionId: 's',
-  accountId: 'a',
-  placements: ['upper_arm_right'],
-  rateHz: 60,
-  device: 'phone',
-  next: 0,
-};
 const sample = (n: number): Sample => [Math.fround(Math.sin(n)), n, 0, 0, 0, 9.75];
 
 let factory: IDBFactory;
