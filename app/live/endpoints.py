@@ -83,6 +83,17 @@ async def close(session_id: str, request: Request, subject: CurrentSubject) -> S
     return await live.close(session_id, say("live.closed_by_person"))
 
 
+@steering_router.post("/{session_id}/reopen")
+async def reopen(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """Let a session that has ended take what its gateway still has: connect then, send it, and close the session again.
+
+    Needs the right to record; a session that is open stays as it is. What was found of it stays until it is analysed
+    again. One that was uploaded is refused (409), one that is being analysed at this moment too (503 with a time).
+    """
+    live = await _live(request, subject, session_id, "reopen")
+    return await live.reopen(session_id)
+
+
 @steering_router.delete("/{session_id}/magnetic-safety")
 async def withdraw_safety(session_id: str, request: Request, subject: CurrentSubject) -> MagneticSafetyOut:
     """Withdraw the confirmation that nobody has an implant: the source stops at once until it is confirmed again.
@@ -110,7 +121,7 @@ async def state(session_id: str, request: Request, subject: CurrentSubject) -> S
     return await live.state(session_id)
 
 
-Action = Literal["calibrate", "record", "stop", "mark", "close"]
+Action = Literal["calibrate", "record", "stop", "mark", "close", "reopen"]
 
 
 async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> SteeredSide:

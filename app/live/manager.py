@@ -382,6 +382,24 @@ class LiveManager(SteeredSide):
                 task.add_done_callback(lambda _: self._closing.pop(session_id, None))
         return await self.state(session_id)
 
+    async def reopen(self, session_id: str) -> StateMessage:
+        """Let a session that has ended take the packets that its gateway still has; it ends again as any other.
+
+        Raises
+        ------
+        NotFound, Conflict, Unavailable
+            As `repository.reopen`; unavailable too while it is being closed.
+        """
+        async with self._opening.setdefault(session_id, asyncio.Lock()):
+            if session_id in self._closing:
+                raise Unavailable(say("live.being_analysed"), retry_after_s=5)
+            if session_id not in self._sessions:
+                await asyncio.to_thread(repository.reopen, self.engine, session_id)
+                # Ends by itself, also where no gateway comes.
+                self._housekeeping.abandoned(session_id)
+        self._tell_stored(session_id)
+        return await self.state(session_id)
+
     async def _finish(self, session_id: str, session: LiveSession | None) -> None:
         try:
             async with self._endings:

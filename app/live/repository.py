@@ -18,7 +18,7 @@ from app.accounts.models import Account, DeviceToken
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import NotFound, SafetyUnconfirmed, SignInRequired
+from app.errors import Conflict, NotFound, SafetyUnconfirmed, SignInRequired, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS, withdraw
 from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live.session.states import OPEN
@@ -26,7 +26,7 @@ from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.analysis.result_rows import filter_of, layout_dict
-from app.recordings.models import MotionSession, Result, SignalChunk
+from app.recordings.models import MotionSession, Result, SessionEvent, SignalChunk
 from app.recordings.signals.chunks import frames_stream
 from app.schemas import SessionState
 from app.sentences import say
@@ -34,6 +34,8 @@ from estimators.pipelines import Calibration, Pipeline, SessionSetup
 
 NO_SUCH_SESSION = say("session.not_found")
 MOST_MISSING = (1 << 31) - 1
+RECORDED_TO_THE_END_S = 1.0
+"""A recording whose end is nearer to the session's was ended by it."""
 
 
 @dataclass(frozen=True)
@@ -242,6 +244,37 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
         row.state, row.state_reason = state, reason
+
+
+def reopen(engine: Engine, session_id: str) -> None:
+    """Let a streamed session that has ended take packets again; one that is open stays as it is.
+
+    What the analysis has found stays, until the next end has it found anew.
+
+    Raises
+    ------
+    NotFound
+        There is no such session.
+    Conflict
+        It was not streamed.
+    Unavailable
+        It is being analysed.
+    """
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        if row.state in OPEN and row.ended_at is None:
+            return
+        if row.source != "stream":
+            raise Conflict(say("live.closed"), state=row.state)
+        if row.state == "closing":
+            raise Unavailable(say("live.being_analysed"), retry_after_s=5)
+        end_s, duration_s = row.recording_end_s, row.duration_s or 0.0
+        if end_s is not None and end_s > duration_s - RECORDED_TO_THE_END_S:
+            # Nobody has stopped the recording: the end of the session has, and more may come.
+            row.recording_end_s = None
+        row.ended_at = None
+        row.state, row.state_reason = "created" if row.hello is None else "link_lost", say("live.reopened")
+        session.add(SessionEvent(session_id=row.id, kind="state", time_s=duration_s, text=row.state_reason))
 
 
 def save_recording(engine: Engine, session_id: str, start_s: float | None, end_s: float | None) -> None:

@@ -100,6 +100,10 @@ class SteeredSide(LiveSide):
         """Close a session; closing twice is closing once."""
 
     @abstractmethod
+    async def reopen(self, session_id: str) -> StateMessage:
+        """Let a session that has ended take the packets that its gateway still has."""
+
+    @abstractmethod
     async def check_source(self, session_id: str) -> None:
         """Let the source of a session that is live here fire only while it is confirmed to be safe."""
 

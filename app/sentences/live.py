@@ -100,6 +100,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.closed_incomplete": "Ended: the gateway stopped sending, and some data never arrived.",
     "live.no_packet": "No data from the sensors for {silence_s:s}.",
     "live.all_sent": "The gateway has sent everything.",
+    "live.being_analysed": "This session is being analysed; try again in a moment.",
+    "live.reopened": "Waiting for measurements that were not sent.",
     "live.closed_by_person": "Session ended.",
     "live.token_expired": "The device token was revoked or has expired.",
     "live.account_inactive": "This account is no longer active.",

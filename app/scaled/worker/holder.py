@@ -126,6 +126,10 @@ class Worker(SteeredSide):
         """Close a session."""
         return await self._sessions_of(session_id).close(session_id, reason)
 
+    async def reopen(self, session_id: str) -> StateMessage:
+        """Let a session that has ended take more packets."""
+        return await self._sessions_of(session_id).reopen(session_id)
+
     async def check_source(self, session_id: str) -> None:
         """Let the source of a session fire only while it is confirmed to be safe."""
         await self._sessions_of(session_id).check_source(session_id)

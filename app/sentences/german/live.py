@@ -12,6 +12,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "live.calibration_stays": "Die frühere Kalibrierung gilt weiter. {reason}",
     "live.cannot_calibrate": "Zum Kalibrieren müssen Sensoren verbunden sein und darf keine Aufzeichnung laufen;"
     " beenden Sie die Aufzeichnung, oder verbinden Sie zuerst.",
+    "live.being_analysed": "Diese Sitzung wird gerade ausgewertet; versuchen Sie es gleich noch einmal.",
+    "live.reopened": "Wartet auf Messungen, die noch nicht gesendet wurden.",
     "live.closed": "Diese Sitzung ist beendet; erstellen Sie eine neue.",
     "live.closed_by_person": "Sitzung beendet.",
     "live.closed_idle": "Von selbst beendet: Zehn Minuten lang kamen keine Daten.",

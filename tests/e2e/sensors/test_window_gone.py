@@ -1,11 +1,13 @@
 """A patient's window is gone in mid-exercise, and the link with it: what it measured is sent when she comes back."""
 
+import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Error, Page, expect
+from playwright.sync_api import BrowserContext, Error, Page, expect
 
 from tests.e2e.conftest import Service, Visitor
 from tests.e2e.sensors import sensors_at_home as home
@@ -46,10 +48,19 @@ def begin(page: Page, worn: home.Wearer) -> int:
     return go_on(page)
 
 
-@pytest.mark.parametrize("go", [close, crash])
-def test_what_a_window_left_is_sent_when_the_page_is_opened_again(
-    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client, go: Callable[[Page], None]
-) -> None:
+@dataclass(frozen=True)
+class Left:
+    """A session whose window is gone in the middle of it, and the link before."""
+
+    session_id: str
+    worn: home.Wearer
+    first: int
+    emitted: int
+    behind: int
+    context: BrowserContext
+
+
+def leave(patient: Visitor, relay: Relay, therapist: httpx.Client, go: Callable[[Page], None]) -> Left:
     worn = home.wearer(PLACEMENTS, 40.0)
     session_id = home.new_session(therapist, worn.placements)
     page = patient.page
@@ -62,41 +73,87 @@ def test_what_a_window_left_is_sent_when_the_page_is_opened_again(
     first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
     context = page.context
     go(page)
+    return Left(session_id, worn, int(first), int(emitted), behind, context)
 
+
+def open_again(left: Left, relay: Relay) -> Visitor:
+    again = Visitor(left.context.new_page(), relay.address)
+    again.page.set_viewport_size({"width": 390, "height": 844})
+    again.page.goto(relay.address)
+    return again
+
+
+def analysed_s(therapist: httpx.Client, session_id: str, longer_than_s: float) -> float:
+    """Wait until a session is analysed and longer than that; returns how long it is."""
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        found = therapist.get(f"/api/sessions/{session_id}").json()
+        if found["state"] == "analysed" and found["duration_s"] > longer_than_s:
+            return float(found["duration_s"])
+        time.sleep(0.5)
+    raise TimeoutError(f"{found['state']}, {found['duration_s']} s")
+
+
+def assert_is_sent(again: Visitor) -> None:
+    expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible(timeout=20_000)
+    expect(again.page.locator(".sensor-unsent")).to_have_count(0)
+    assert again.page.evaluate(home.WAITING) == 0
+
+
+def assert_all_is_stored(therapist: httpx.Client, left: Left) -> None:
+    """Every tick once, none left out, up to the moment in which the window went; and it is the movement."""
+    numbers, values = home.stored_samples(therapist, left.session_id)
+    assert np.array_equal(numbers, np.arange(numbers[0], numbers[0] + numbers.size))
+    assert numbers[-1] >= left.first + left.emitted - LOST_TICKS
+    # Each sensor's values as they were, later by the quickest message of its radio.
+    moved = numbers - left.first - left.behind
+    shown = moved > home.STILL_S * home.RATE_HZ
+    assert shown.sum() > BROKEN_S * home.RATE_HZ
+    for sensor in range(len(PLACEMENTS)):
+        stored, felt = values[shown, sensor, 0], left.worn.samples[:, sensor, 0]
+        error = home.best_error(moved[shown], stored, felt)
+        print(f"sensor {sensor}: 99 % within {np.quantile(error, 0.99):.4f} of {np.ptp(stored):.2f} rad/s")
+        assert np.quantile(error, 0.99) < 0.05 < 0.1 * np.ptp(stored)
+
+
+@pytest.mark.parametrize("go", [close, crash])
+def test_what_a_window_left_is_sent_when_the_page_is_opened_again(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client, go: Callable[[Page], None]
+) -> None:
+    left = leave(patient, relay, therapist, go)
     # The pages come through again, measurements do not yet.
     relay.mend()
     relay.refuse(b"GET /ws/ingest")
-    again = Visitor(context.new_page(), relay.address)
-    again.page.set_viewport_size({"width": 390, "height": 844})
-    again.page.goto(relay.address)
-    left = again.page.locator(".sensor-unsent")
-    expect(left).to_contain_text("sent as soon as there is a connection")
-    waiting = int(left.get_attribute("data-waiting") or 0)
+    again = open_again(left, relay)
+    card = again.page.locator(".sensor-unsent")
+    expect(card).to_contain_text("sent as soon as there is a connection")
+    waiting = int(card.get_attribute("data-waiting") or 0)
     assert waiting * 6 >= BROKEN_S * home.RATE_HZ
     assert again.page.evaluate(home.WAITING) == waiting
     again.picture("left-on-the-device-390")
 
     relay.mend()
-    expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible(timeout=20_000)
-    expect(left).to_have_count(0)
-    assert again.page.evaluate(home.WAITING) == 0
+    assert_is_sent(again)
     again.picture("left-was-sent-390")
 
     again.page.get_by_role("link", name="Continue").click()
     again.page.get_by_role("button", name="Stop", exact=True).click()
     again.page.get_by_role("button", name="Finish for today").click()
     expect(again.page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
-    numbers, values = home.stored_samples(therapist, session_id)
-    # Every tick once, none left out, up to the moment in which the window went.
-    assert np.array_equal(numbers, np.arange(numbers[0], numbers[0] + numbers.size))
-    assert numbers[-1] >= int(first) + int(emitted) - LOST_TICKS
-    # And it is the movement: each sensor's values as they were, later by the quickest message of its radio.
-    moved = numbers - int(first) - behind
-    shown = moved > home.STILL_S * home.RATE_HZ
-    assert shown.sum() > BROKEN_S * home.RATE_HZ
-    for sensor in range(len(PLACEMENTS)):
-        stored, felt = values[shown, sensor, 0], worn.samples[:, sensor, 0]
-        error = home.best_error(moved[shown], stored, felt)
-        print(f"sensor {sensor}: 99 % within {np.quantile(error, 0.99):.4f} of {np.ptp(stored):.2f} rad/s")
-        assert np.quantile(error, 0.99) < 0.05 < 0.1 * np.ptp(stored)
+    assert_all_is_stored(therapist, left)
     assert again.faults_outside_the_view() == []
+
+
+def test_what_a_window_left_is_sent_the_next_day_too(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    left = leave(patient, relay, therapist, close)
+    relay.mend()
+    # Nothing came for so long that the session has ended, and what had come of it was analysed.
+    therapist.post(f"/api/sessions/{left.session_id}/close").raise_for_status()
+    before_s = analysed_s(therapist, left.session_id, longer_than_s=0.0)
+    again = open_again(left, relay)
+    assert_is_sent(again)
+    analysed_s(therapist, left.session_id, longer_than_s=before_s + 0.9 * BROKEN_S)
+    assert_all_is_stored(therapist, left)
+    expect(again.page.get_by_role("link", name="Continue")).to_have_count(0, timeout=20_000)

@@ -1440,6 +1440,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/reopen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Reopen
+         * @description Let a session that has ended take what its gateway still has: connect then, send it, and close the session again.
+         *
+         *     Needs the right to record; a session that is open stays as it is. What was found of it stays until it is analysed
+         *     again. One that was uploaded is refused (409), one that is being analysed at this moment too (503 with a time).
+         */
+        post: operations["reopen_api_sessions__session_id__reopen_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/reprocess": {
         parameters: {
             query?: never;
@@ -8829,6 +8852,38 @@ export interface operations {
         };
     };
     begin_recording_api_sessions__session_id__record_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StateMessage"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    reopen_api_sessions__session_id__reopen_post: {
         parameters: {
             query?: never;
             header?: {

@@ -1,6 +1,7 @@
 // What an earlier exercise left on this device: sent as soon as there is a connection, and said until it is.
 import { IconCircleCheckFilled } from '@tabler/icons-react';
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from 'react';
+import { api } from '../api/client';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { Notice } from '../components/Feedback';
 import { Confirm } from '../components/forms/Confirm';
@@ -62,7 +63,7 @@ function Sending({
     let made: BrowserGateway | undefined;
     // Two windows that send for one session would take it from each other.
     const end = inTurn(`sending.${network.sessionId}`, () => {
-      made = new BrowserGateway(network);
+      made = new BrowserGateway(network, { isLate: true });
       setGateway(made);
     });
     return () => {
@@ -75,8 +76,11 @@ function Sending({
   const isSent = recorder !== null && recorder.link.connections > 0 && recorder.waiting === 0;
   const isTakenOver = recorder?.link.code === 'superseded';
   useEffect(() => {
-    if (isSent) onSent();
-  }, [isSent, onSent]);
+    if (!isSent) return;
+    // Ends by itself where this cannot be sent.
+    if (gateway?.hasReopened) void api.post(`/api/sessions/${network.sessionId}/close`).catch(() => undefined);
+    onSent();
+  }, [isSent, onSent, gateway, network]);
   useEffect(() => {
     // A window that measures sends what is left with its own.
     if (isTakenOver) void isTurnElsewhere().then((isElsewhere) => isElsewhere && onLook());

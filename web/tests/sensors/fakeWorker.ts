@@ -24,15 +24,26 @@ export function workWith(service: FakeService) {
     class {
       onmessage: ((event: { data: FromWorker }) => void) | null = null;
       #recorder: Recorder | null = null;
+      readonly #asked = new Map<number, { resolve: (ticket: string) => void; reject: (refusal: object) => void }>();
       postMessage(message: ToWorker) {
         if (message.type === 'begin') void this.#begin(message);
+        else if (message.type === 'ticket') this.#asked.get(message.number)?.resolve(message.ticket);
+        else if (message.type === 'noTicket') this.#asked.get(message.number)?.reject(message.refusal);
         else if (message.type === 'close') void this.#recorder?.close();
       }
       async #begin({ network, url }: Extract<ToWorker, { type: 'begin' }>) {
         const onState = () => {
           if (this.#recorder) this.onmessage?.({ data: { type: 'state', state: this.#recorder.state } });
         };
-        const { ticket, create } = service;
+        const { create } = service;
+        const ticket = async () => {
+          await service.ticket();
+          const number = this.#asked.size;
+          return new Promise<string>((resolve, reject) => {
+            this.#asked.set(number, { resolve, reject });
+            this.onmessage?.({ data: { type: 'ticket', number } });
+          });
+        };
         const store = await PacketStore.open();
         this.#recorder = new Recorder({ network, url, store, ticket, create, random: () => 0, onState });
         await this.#recorder.begin();

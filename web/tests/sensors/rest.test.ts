@@ -61,6 +61,7 @@ describe('a second window that ends a session', () => {
     await leavePackets(4);
     const service = new FakeService();
     workWith(service);
+    vi.stubGlobal('fetch', () => Promise.resolve(Response.json({ ticket: 'one' })));
     let isOver = false;
     const end = sendRest('s').then((isSafe) => {
       isOver = true;

@@ -7,7 +7,7 @@ import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { sentencesReady, speakLanguage } from '../../src/i18n/languages';
 import { PacketStore } from '../../src/sensors/gateway/store';
 import Unsent from '../../src/sensors/Unsent';
-import { renderPage } from '../pages/render';
+import { type Answers, renderPage } from '../pages/render';
 import { FakeService } from './fakeService';
 import { leavePackets, leftOf, NETWORK, workWith } from './fakeWorker';
 
@@ -35,7 +35,11 @@ afterEach(async () => {
   await speakLanguage('en');
 });
 
-const open = () => renderPage(<Unsent />, { answers: {} });
+const TICKET = { 'POST /api/sessions/s/ticket': { ticket: 'one' } };
+const stateIs = (code: string) => ({ 'POST /api/sessions/s/reopen': { sentences: { reason: { code, params: {} } } } });
+
+const open = (answers: Answers = { ...TICKET, ...stateIs('live.connection_ended') }) =>
+  renderPage(<Unsent />, { answers });
 
 /** Long enough for the page to have looked into the database of the browser. */
 const looked = () => new Promise((resolve) => setTimeout(resolve, 100));
@@ -170,11 +174,34 @@ it('puts another refusal of the service into the reader’s language', async () 
   expect(words).not.toContain('connection');
 });
 
-it('says that what is left came too late where the session is over, and deletes it when asked', async () => {
-  service.state = 'analysed';
+it('sends for a session that has ended since, and ends it again', async () => {
   await leavePackets(10);
-  open();
-  expect(await screen.findByText(/one second of movement from an earlier exercise\. It came too late/)).toBeTruthy();
+  const { asked } = open({ ...TICKET, ...stateIs('live.reopened'), 'POST /api/sessions/s/close': {} });
+  await vi.waitFor(() => expect(service.stored.size).toBe(10));
+  const paths = () => asked.map(({ path }) => path.split('/').at(-1));
+  expect(paths()).toEqual(['reopen', 'ticket']);
+  service.acknowledge();
+  expect(await screen.findByText(SENT)).toBeTruthy();
+  await vi.waitFor(() => expect(paths()).toEqual(['reopen', 'ticket', 'close']));
+});
+
+it('leaves a session open that was open', async () => {
+  await leavePackets(10);
+  const { asked } = open();
+  await vi.waitFor(() => expect(service.stored.size).toBe(10));
+  service.acknowledge();
+  expect(await screen.findByText(SENT)).toBeTruthy();
+  await looked();
+  expect(asked.map(({ path }) => path.split('/').at(-1))).toEqual(['reopen', 'ticket']);
+});
+
+it('says that what is left is not taken any more, and deletes it when asked', async () => {
+  const refused = { code: 'not_found', message: 'There is no such session.', details: {} };
+  await leavePackets(10);
+  open({ 'POST /api/sessions/s/reopen': [404, refused] });
+  expect(
+    await screen.findByText(/one second of movement from an earlier exercise\. Your clinic does not/),
+  ).toBeTruthy();
   expect(service.stored.size).toBe(0);
   expect(await leftOf()).toBe(10);
   await userEvent.click(screen.getByRole('button', { name: 'Delete from this device' }));

@@ -1,5 +1,6 @@
 // The page's handle on its gateway: one a session, whatever page of the session is shown.
 import { api, ApiError, socketUrl } from '../../api/client';
+import type { StateMessage } from '../../api/types';
 import { words } from '../../i18n/sentence';
 import type { Sample } from './grid';
 import type { FromWorker, ToWorker } from './messages';
@@ -7,6 +8,8 @@ import type { RecorderState } from './recorder';
 import type { StoredNetwork } from './store';
 
 const PATH = '/ws/ingest';
+/** Said of a session that had ended until it was asked to take more. */
+const REOPENED = 'live.reopened';
 
 export interface GatewaySnapshot {
   recorder: RecorderState | null;
@@ -22,12 +25,17 @@ function inOurWords(state: RecorderState): RecorderState {
 
 export class BrowserGateway {
   readonly network: StoredNetwork;
+  /** The session had ended, and takes packets again for this gateway: who is done with it closes it. */
+  hasReopened = false;
+  readonly #isLate: boolean;
   readonly #worker: Worker;
   readonly #listeners = new Set<() => void>();
   #snapshot: GatewaySnapshot = { recorder: null, broken: '' };
 
-  constructor(network: StoredNetwork) {
+  /** `isLate`: for what an earlier window has left, whose session may have ended since. */
+  constructor(network: StoredNetwork, { isLate = false } = {}) {
     this.network = network;
+    this.#isLate = isLate;
     this.#worker = new Worker(new URL('./gateway.worker.ts', import.meta.url), { type: 'module' });
     this.#worker.onmessage = (event: MessageEvent<FromWorker>) => this.#take(event.data);
     this.#worker.onerror = (event) => this.#say({ broken: event.message || 'worker' });
@@ -82,8 +90,12 @@ export class BrowserGateway {
 
   async #ticket(number: number): Promise<void> {
     try {
-      const path = `/api/sessions/${this.network.sessionId}/ticket`;
-      const { ticket } = await api.post<{ ticket: string }>(path, { purpose: 'ingest' });
+      const path = `/api/sessions/${this.network.sessionId}`;
+      if (this.#isLate) {
+        const { sentences } = await api.post<StateMessage>(`${path}/reopen`);
+        this.hasReopened ||= [sentences?.reason].flat().some((one) => typeof one === 'object' && one.code === REOPENED);
+      }
+      const { ticket } = await api.post<{ ticket: string }>(`${path}/ticket`, { purpose: 'ingest' });
       this.#post({ type: 'ticket', number, ticket });
     } catch (error) {
       const refusal =

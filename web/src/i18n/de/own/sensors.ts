@@ -71,7 +71,7 @@ export const sensors: Translated<typeof english> = {
   'sensors.takenOver': 'Für diese Übung misst jetzt ein anderes Gerät.',
   'sensors.elsewhere': 'Sie messen in einem anderen Fenster',
   'sensors.unsentOver':
-    'Von einer früheren Übung kam etwas zu spät, sie ist schon zu Ende: {seconds}. Es bleibt auf diesem Gerät, bis Sie es löschen.',
+    'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Ihre Praxis nimmt es nicht mehr an. Es bleibt hier, bis Sie es löschen.',
   'sensors.unsentDelete': 'Von diesem Gerät löschen',
   'sensors.unsentDeleteTitle': 'Nicht Gesendetes löschen?',
   'sensors.unsentDeleteText':

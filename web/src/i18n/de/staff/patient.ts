@@ -114,6 +114,7 @@ export const patient: Translated<typeof english> = {
   'audit.progress.read': 'hat den Verlauf angesehen',
   'audit.session.calibrate': 'hat die Sensoren kalibriert',
   'audit.session.close': 'hat eine Sitzung beendet',
+  'audit.session.reopen': 'ließ eine beendete Sitzung Fehlendes aufnehmen',
   'audit.session.create': 'hat eine Sitzung begonnen',
   'audit.session.delete': 'hat eine Sitzung gelöscht',
   'audit.session.download': 'hat die Aufzeichnung einer Sitzung heruntergeladen',

@@ -60,7 +60,7 @@ export const sensors = {
   'sensors.takenOver': 'Another device is measuring for this exercise now.',
   'sensors.elsewhere': 'You are measuring in another window',
   'sensors.unsentOver':
-    'Still on this device: {seconds} of movement from an earlier exercise. It came too late, as that exercise has ended. It stays here until you delete it.',
+    'Still on this device: {seconds} of movement from an earlier exercise. Your clinic does not take it any more. It stays here until you delete it.',
   'sensors.unsentDelete': 'Delete from this device',
   'sensors.unsentDeleteTitle': 'Delete what was not sent?',
   'sensors.unsentDeleteText': 'This part of your movement is then gone. The rest, which your clinic has, stays.',

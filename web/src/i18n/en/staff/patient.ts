@@ -109,6 +109,7 @@ export const patient = {
   'audit.progress.read': 'viewed the progress',
   'audit.session.calibrate': 'calibrated the sensors',
   'audit.session.close': 'ended a session',
+  'audit.session.reopen': 'had an ended session take what was not sent',
   'audit.session.create': 'started a session',
   'audit.session.delete': 'deleted a session',
   'audit.session.download': 'downloaded the recording of a session',
