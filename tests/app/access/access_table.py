@@ -337,7 +337,7 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/sessions/{session_id}/guidance", READ, status=409),
     patient("POST", "/api/sessions/{session_id}/guidance", RECORD, body={"command": "pain"}, status=409),
     patient("POST", "/api/sessions/{session_id}/close", RECORD),
-    patient("POST", "/api/sessions/{session_id}/reopen", RECORD),
+    patient("POST", "/api/sessions/{session_id}/reopen", RECORD, status=409),
     patient("GET", "/api/sessions/{session_id}/state", STATUS),
     # Ada's sessions are over: her devices learn that there is none to join.
     Line("POST", "/api/devices/next-session", "device", status=404),
