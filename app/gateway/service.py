@@ -104,7 +104,7 @@ class ServiceClient:
         return StateMessage.model_validate(await self._call("GET", f"/api/sessions/{session_id}/state"))
 
     async def steer(self, session_id: str, action: str, body: dict[str, Any] | None = None) -> StateMessage:
-        """`calibrate`, `record`, `stop`, `mark` or `close`."""
+        """`calibrate`, `record`, `stop`, `mark`, `close` or `reopen`."""
         return StateMessage.model_validate(
             await self._call("POST", f"/api/sessions/{session_id}/{action}", body)
         )
