@@ -112,7 +112,10 @@ class ReplayPlayer:
             trail = self._track.hand_m[first : tick + 1 : self._stride]
         self._scene.draw(self._track, tick, trail)
         if self._ghost_clock is not None:
-            self._scene.draw_ghost(self._ghost_clock.phase(time_s, self._warp))
+            # Who still stands before a seated exercise has nothing to compare yet.
+            is_at_it = self._scene.posture == self._scene.exercise_posture
+            phase = self._ghost_clock.phase(time_s, self._warp) if is_at_it else None
+            self._scene.draw_ghost(phase, with_path=is_at_it)
 
 
 class LivePlayer:
@@ -201,8 +204,10 @@ class LivePlayer:
         self._scene.show_measured(measured_segments(frames))
         self._is_posed = bool(is_posed(frames)[-1])
         # The pose that calibrates is held standing.
-        self._scene.sit(self._is_posed and not self._is_calibrating)
-        track = track_from_frames(frames, self._body, self._scene.posture)
+        posture = self._scene.exercise_posture if self._is_posed and not self._is_calibrating else "standing"
+        track = track_from_frames(frames, self._body, posture)
+        if track.stands is None:
+            self._scene.sit(posture == "seated")
         if track.feet is not None:
             track = replace(track, feet=self._course.turned(track.feet))
         self._last = track
@@ -224,7 +229,8 @@ class LivePlayer:
             trail = np.stack(self._trail) if self._chunks % 2 == 0 else None
         self._scene.draw(track, tick, trail)
         if self._ghost_clock is not None:
-            is_example = self._is_posed and not self._is_calibrating
+            is_at_it = self._scene.posture == self._scene.exercise_posture
+            is_example = self._is_posed and not self._is_calibrating and is_at_it
             time_s = float(track.time_s[tick])
             phase = self._ghost_phase(self._ghost_clock, time_s) if is_example else None
             self._scene.draw_ghost(phase, with_path=is_example)

@@ -59,6 +59,8 @@ _HANGING_FOREARM = {
     side: rotation.multiply(rotation.multiply(_HANGING[side], rotation.about_y(-0.22)), _TURNED_IN[side])
     for side in SIDES
 }
+_HANGS_RAD: Final = np.radians(40.0)
+"""A thigh that is nearer than this to the vertical is of somebody who stands: on a seat it lies about level."""
 _LOST = np.uint8(OrientationFlag.INVALID)
 
 
@@ -103,6 +105,8 @@ class PoseTrack:
     """Centre of mass, shape (K, 3), room, NaN while not known; None where the sensors do not tell it."""
     mass_spread_m: Float32 | None = None
     """Two standard deviations of it, shape (K,)."""
+    stands: NDArray[np.bool_] | None = None
+    """Of a seated exercise whether the thigh hangs as of who stands, shape (K,); None where no thigh is measured."""
 
     def __len__(self) -> int:
         """Return the number of ticks K."""
@@ -144,6 +148,10 @@ def track_from_frames(frames: Frames, body: BodyDimensions, posture: Posture = "
     layout, ticks = frames.layout, frames.tick_count
     given = {name: _sound(frames.q_room_segment[:, column]) for column, name in enumerate(layout.segments)}
     room = _complete(given, ticks, posture)
+    stands = _stands(given) if posture == "seated" else None
+    if stands is not None and stands.any():
+        upright = _complete(given, ticks)
+        room = {name: np.where(stands[:, None], upright[name], room[name]) for name in room}
     points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
     known = is_posed(frames)[:, None]
     if not known.all():
@@ -163,6 +171,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions, posture: Posture = "
         lost=lost,
         mass_m=mass,
         mass_spread_m=spread,
+        stands=stands,
         modules=modules_of(frames),
         sensors=sensors_of(frames),
         feet=feet_of(frames),
@@ -282,6 +291,17 @@ def _complete(
         else:
             room[name] = upright if parent is None else room[parent]
     return room
+
+
+def _stands(given: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_] | None:
+    """Return when every measured thigh hangs down, shape (K,); None without one."""
+    thighs = [given[name] for side in SIDES if (name := f"thigh_{side}") in given]
+    if not thighs:
+        return None
+    down = np.array([0.0, 0.0, -1.0])
+    hanging = np.stack([rotation.rotate(q, down)[:, 2] for q in thighs]) < -np.cos(_HANGS_RAD)
+    stands: NDArray[np.bool_] = np.logical_and.reduce(hanging)
+    return stands
 
 
 def _shoulders(

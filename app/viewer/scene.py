@@ -125,6 +125,11 @@ class BodyScene:
         """How the figure is shown now."""
         return "seated" if self._is_sitting else "standing"
 
+    @property
+    def exercise_posture(self) -> Posture:
+        """In which the exercise is done."""
+        return "standing" if self._seat is None else "seated"
+
     def sit(self, on: bool) -> None:
         """Let the figure of a seated exercise stand up, as for a calibration pose, or sit down again."""
         if self._seat is None or on == self._is_sitting:
@@ -187,6 +192,8 @@ class BodyScene:
             if track.feet is not None:
                 self._draw_feet(track.feet, tick)
                 return
+            if track.stands is not None:
+                self.sit(not track.stands[tick])
             self._solid.show(track.wxyz[tick], track.shoulder_m[tick])
             unsure = track.halo_m[tick, :, 1] > nodes.HALO_MOST_M
             if not np.array_equal(unsure, self._unsure):

@@ -18,7 +18,8 @@ class Scene:
     """Takes note of what it is told to draw."""
 
     measured_mask = np.zeros(1, dtype=bool)
-    posture = "standing"
+    exercise_posture = "seated"
+    posture = "seated"
 
     def __init__(self) -> None:
         self.ghosts: list[float | None] = []
@@ -27,6 +28,7 @@ class Scene:
 
     def sit(self, on: bool) -> None:
         self.seats.append(on)
+        self.posture = "seated" if on else "standing"
 
     def show_measured(self, measured: frozenset[str]) -> None:
         pass

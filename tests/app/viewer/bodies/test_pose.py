@@ -1,5 +1,7 @@
 """Poses: the tree of relative rotations puts every joint where the estimator's points are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import viser
@@ -22,6 +24,7 @@ from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES
 from estimators.orientation import OrientationFlag
+from estimators.pipelines import Frames
 
 BODY = BodyDimensions()
 
@@ -169,6 +172,45 @@ def test_measured_legs_win_over_the_posture_of_the_exercise() -> None:
         np.testing.assert_allclose(
             rotation.rotate(room[segment][0], np.array([0.0, 0.0, -1.0])), down, atol=1e-12
         )
+
+
+def on_a_leg(frames: Frames, lifted_deg: float) -> Frames:
+    """Add a sensor on the right thigh, which hangs for the first half and is then lifted so far."""
+    ticks = frames.tick_count
+    lifted = np.where(np.arange(ticks) < ticks // 2, 0.0, -np.radians(lifted_deg))
+    thigh = np.stack([rotation.about_y(angle) for angle in lifted])[:, None]
+    return replace(
+        frames,
+        layout=replace(frames.layout, segments=(*frames.layout.segments, "thigh_right")),
+        q_room_segment=np.concatenate([frames.q_room_segment, thigh], axis=1),
+        segment_flags=np.concatenate(
+            [frames.segment_flags, np.zeros_like(frames.segment_flags[:, :1])], axis=1
+        ),
+    )
+
+
+def test_who_still_stands_before_a_seated_exercise_is_drawn_standing(reaches) -> None:
+    """A thigh that hangs is of nobody who sits: its foot would be below the floor, and the other leg in the air."""
+    frames = on_a_leg(reaches[0], 80.0)
+    track = track_from_frames(frames, BODY, "seated")
+    half = frames.tick_count // 2
+    assert track.stands is not None
+    assert track.stands[:half].all()
+    assert not track.stands[half:].any()
+    knee = SEGMENTS.index("shank_left")
+    np.testing.assert_allclose(track.wxyz[0, knee], rotation.identity(), atol=1e-6)
+    assert rotation.angle_between(track.wxyz[-1, knee].astype(float), rotation.identity()) > np.radians(85)
+    assert track_from_frames(reaches[0], BODY, "seated").stands is None, "no thigh says so"
+    assert track_from_frames(frames, BODY).stands is None
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        scene = BodyScene(server, BODY, frozenset(), posture="seated")
+        scene.draw(track, 0)
+        assert (scene.posture, scene.exercise_posture) == ("standing", "seated")
+        scene.draw(track, frames.tick_count - 1)
+        assert scene.posture == "seated"
+    finally:
+        server.stop()
 
 
 def test_a_scene_sits_on_its_seat_and_stands_up_for_the_pose(reaches) -> None:
