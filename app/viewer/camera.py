@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from viser import _messages as viser_messages
 
 from app.exercises.models import Posture
-from app.viewer.figure.proportions import hip_height_m
+from app.viewer.figure.ghost import Limb
+from app.viewer.figure.proportions import hip_half_width_m, hip_height_m
 from estimators.body import BodyDimensions
 
 Preset = Literal["start", "front", "side", "top", "arm", "movement"]
@@ -36,6 +37,13 @@ _WALK_PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
     "top": (180.0, 86.0, 0.00, 1.05, 1.25),
     "arm": (46.0, 24.0, 0.03, 0.45, 0.50),
 }
+# `arm` of an exercise of a leg comes near to that leg; of who sits it lies ahead of the seat.
+_NEAR_LEG: Final[dict[Posture, tuple[float, float, float, float, float]]] = {
+    "standing": (42.0, 10.0, 0.27, 0.66, 0.62),
+    "seated": (62.0, 10.0, 0.19, 0.52, 0.72),
+}
+_AHEAD: Final = 0.20
+"""How far ahead of the hips the middle of the leg of who sits is, as a share of stature."""
 # Without a template the kind of movement says what is known of it.
 _OF_MOVEMENT: Final[dict[str, Preset]] = {
     "abduction": "front",
@@ -49,6 +57,8 @@ _FARTHEST_ROUND_DEG, _FARTHEST_ACROSS_DEG = 100, -30
 _AS_GOOD: Final = 0.97
 _LOWER: Final = 0.3
 """Share of the way down to the seat that the middle of the picture goes: who stands up again is in it as well."""
+_FEET_AHEAD: Final = 0.12
+"""What the picture has below the seat for the feet, as a share of stature."""
 _KNEES, _BESIDE_M = 0.36, 0.22
 """How far the feet of who sits stand ahead, as a share of stature, and what is left beside the outermost point."""
 _SMALL_M: Final = 0.15
@@ -186,6 +196,7 @@ def preset(
     posture: Posture = "standing",
     sight: Sight | None = None,
     movement: str = "",
+    limb: Limb = "arm",
 ) -> Camera:
     """Return a preset for this person and this picture.
 
@@ -206,6 +217,8 @@ def preset(
         For `movement`: from where the template's movement is large; None without a template.
     movement : str
         For `movement` without a template: the kind of the exercise.
+    limb : {"arm", "leg"}
+        What `arm` comes near to, where it is no walk.
     """
     drop = hip_height_m(body) - hip_height_m(body, posture)
     followed = sight if name == "movement" and not is_walk else None
@@ -219,6 +232,14 @@ def preset(
         )
     azimuth, elevation, middle, height, width = (_WALK_PRESETS if is_walk else _PRESETS)[name]
     lower = drop if name == "arm" else _LOWER * drop
+    if drop and followed is None and name in {"start", "front"}:
+        # The feet stand ahead of the seat, toward the camera, and so lower in the picture than those of who stands.
+        height += _FEET_AHEAD
+        lower += 0.5 * _FEET_AHEAD * body.stature_m
+    is_near_leg = name == "arm" and limb == "leg" and not is_walk
+    if is_near_leg:
+        azimuth, elevation, middle, height, width = _NEAR_LEG[posture]
+        lower = 0.0
     if followed is not None:
         azimuth = followed.azimuth_deg
         if name == "start":
@@ -229,6 +250,9 @@ def preset(
     toward = 1.0 if side == "left" else -1.0
     sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" and not is_walk else 0.0
     forward = 0.12 * body.stature_m if name in {"side", "top"} and not is_walk else 0.0
+    if is_near_leg:
+        sideways = toward * hip_half_width_m(body)
+        forward = _AHEAD * body.stature_m if posture == "seated" else 0.0
     tangent = math.tan(0.5 * FIELD_OF_VIEW_RAD)
     distance = 0.5 * body.stature_m * max(height / tangent, width / (tangent * max(aspect, 0.2)))
     look_at = (forward, sideways, middle * body.stature_m - lower)

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Iterable
 from typing import Any, Final
 
 import rich
@@ -12,6 +13,7 @@ from viser import _messages as viser_messages
 from app.errors import Unavailable
 from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, best_sight, preset
+from app.viewer.figure.ghost import Limb
 from app.viewer.figure.ghost_node import limb_points_m
 from app.viewer.guard import SceneSecret, guarded
 from app.viewer.layers.nodes import theme_updates
@@ -23,6 +25,8 @@ from app.viewer.scene import BodyScene
 logger = logging.getLogger(__name__)
 
 LOOPBACK: Final = "127.0.0.1"
+_LEG: Final = frozenset({"thigh", "shank", "foot"})
+_ARM: Final = frozenset({"upper_arm", "forearm", "hand"})
 _ON_FEET: Final = frozenset({"foot_left", "foot_right"})
 
 
@@ -71,6 +75,7 @@ class Stage:
         self._server = LoopbackServer()
         ghost = contents.ghost
         self._posture, self._movement = contents.posture, contents.movement
+        self._limb: Limb = ghost.limb if ghost is not None else limb_of(contents.measured)
         self._sight = None
         if ghost is not None:
             self._sight = best_sight(
@@ -122,6 +127,7 @@ class Stage:
             posture=self._posture,
             sight=self._sight,
             movement=self._movement,
+            limb=self._limb,
         )
 
     @property
@@ -166,6 +172,18 @@ class Stage:
         except Exception:
             # The picture stands still; the next page that enters sets the clock going again.
             logger.exception("a 3D view has stopped drawing")
+
+
+def limb_of(measured: Iterable[str]) -> Limb:
+    """Return what a session is of, by its segments: a leg where some of a leg are measured and none of an arm.
+
+    Parameters
+    ----------
+    measured : iterable of str
+        Segments or places of sensors.
+    """
+    parts = {name.rsplit("_", 1)[0] for name in measured}
+    return "leg" if parts & _LEG and not parts & _ARM else "arm"
 
 
 def _modules_extent(contents: Contents) -> tuple[float, float] | None:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, best_sight, preset
-from app.viewer.figure.proportions import hip_height_m
+from app.viewer.figure.proportions import hip_half_width_m, hip_height_m, leg_lengths_m
+from app.viewer.stage import limb_of
 from estimators.body import BodyDimensions, body_from_stature
 
 
@@ -41,6 +42,32 @@ def test_the_arm_that_matters_is_on_the_near_side() -> None:
     for side, sign in (("left", 1), ("right", -1)):
         for name in ("start", "front", "side", "arm"):
             assert sign * preset(name, BodyDimensions(), side, 1.4).position_m[1] > 0
+
+
+@pytest.mark.parametrize("aspect", [0.7, 1.0, 1.6])
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("posture", ["standing", "seated"])
+def test_near_to_a_leg_the_whole_leg_is_in_the_picture_and_the_head_is_not(posture, side, aspect) -> None:
+    body = BodyDimensions()
+    camera = preset("arm", body, side, aspect, posture=posture, limb="leg")
+    thigh, shank, ankle = leg_lengths_m(body)
+    sign = 1.0 if side == "left" else -1.0
+    across, hip = sign * hip_half_width_m(body), hip_height_m(body, posture)
+    bent = [(0, across, hip), (0, across, hip - thigh), (0.15, across, 0)]
+    moved = [(0, across + sign * 0.5 * (thigh + shank), 0.35)]
+    if posture == "seated":
+        bent = [(0, across, hip), (thigh, across, hip), (thigh + 0.15, across, 0)]
+        moved = [(thigh + shank + ankle, across, hip)]
+    for point in (*bent, *moved):
+        assert in_picture(camera, point, aspect), (point, camera)
+    assert not in_picture(camera, (0, 0, hip + 0.45 * body.stature_m), aspect)
+    assert preset("arm", body, side, aspect, posture=posture).look_at_m[2] > camera.look_at_m[2] + 0.2
+
+
+def test_what_is_measured_says_whether_a_session_is_of_a_leg() -> None:
+    assert limb_of({"sternum", "pelvis", "thigh_left", "shank_left"}) == "leg"
+    assert limb_of({"sternum", "upper_arm_left", "thigh_left"}) == "arm"
+    assert limb_of({"sternum"}) == "arm"
 
 
 def test_from_above_forward_is_up_in_the_picture() -> None:
@@ -133,6 +160,11 @@ def test_who_sits_is_in_the_picture_and_still_is_standing_up(aspect: float) -> N
     seated_crown = body.stature_m - hip_height_m(body) + hip_height_m(body, "seated")
     for height in (0.0, seated_crown, body.stature_m):
         assert in_picture(camera, (0, 0, height), aspect)
+    toes_m = leg_lengths_m(body)[0] + 0.24
+    for name in ("start", "front", "side"):
+        feet = preset(name, body, "right", aspect, posture="seated")
+        for side in (-1.6, 1.6):
+            assert in_picture(feet, (toes_m, side * hip_half_width_m(body), 0), aspect), name
     # While the movement is followed nobody stands up: nearer, with crown, feet and hand in the picture.
     hand = moved([0.5, -0.2, 0.4], "right", 1.0) + np.array([0.1, -0.2, 0.2])
     follow = preset("movement", body, "right", aspect, posture="seated", sight=best_sight(hand, "right"))

@@ -32,7 +32,7 @@ export interface Viewer3DProps {
   isPlain?: boolean;
 }
 
-export type Near = 'arm' | 'feet' | 'marker' | 'modules';
+export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';
 export type Preset = NonNullable<CameraCommand['preset']>;
 const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null };
 const never = () => () => undefined;

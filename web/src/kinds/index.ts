@@ -1,5 +1,7 @@
 // The kinds of session, a folder each; found by the name that the service gives them.
 import type { SessionDetail } from '../api/types';
+import type { Near } from '../components/Viewer3D';
+import { isOfLegs } from '../lib/placements';
 import type { SessionKind } from './kind';
 
 /** By the path of their file. */
@@ -9,6 +11,12 @@ export const KINDS: readonly SessionKind[] = Object.values(FACTS).sort((one, oth
 /** The kind with which an exercise is done. */
 export function kindFor(movement: string | undefined): SessionKind {
   return KINDS.find((kind) => kind.begin?.suits?.(movement)) ?? KINDS[0]!;
+}
+
+/** What the nearest point of view shows of a session. */
+export function nearOf(session: Pick<SessionDetail, 'pipeline' | 'placements'>): Near {
+  const { near } = kindOf(session);
+  return near === 'arm' && isOfLegs(session.placements) ? 'leg' : near;
 }
 
 /** The kind of a session; one that this client does not know shows what arms do. */

@@ -2,6 +2,7 @@
 import { t, tOr, withinSentence } from '../i18n';
 import type { Placement } from '../api/types';
 import { pairOf } from '../kinds/magnetic/magnetic';
+import { LEG_JOINTS } from './placements';
 
 /** A channel of the frames as people and experts read it. */
 export interface ChannelLabel {
@@ -14,8 +15,9 @@ export interface ChannelLabel {
 }
 
 /** Of a leg in the ISB's sequence alone: in Z-Y-X it is a magnetic pair of sensors. */
-const ANGLE =
-  /^(thorax_humerus|humerus_forearm|forearm_hand|(?:pelvis_thigh|thigh_shank|shank_foot)(?=_[a-z]+_zxy))_(left|right)_([a-z]{3})_([a-z_]+)$/;
+const ANGLE = new RegExp(
+  `^(thorax_humerus|humerus_forearm|forearm_hand|(?:${LEG_JOINTS.join('|')})(?=_[a-z]+_zxy))_(left|right)_([a-z]{3})_([a-z_]+)$`,
+);
 const RELATIVE = /^(.+)_zyx_(rotation|flexion|lateral)$/;
 const DISTANCE = /^(.+)_distance(_sigma)?_m$/;
 const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps|n)$/;

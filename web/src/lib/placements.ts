@@ -3,6 +3,15 @@ import type { Placement, Side, SessionDetail } from '../api/types';
 /** What to wear for a walk. */
 export const FEET: Placement[] = ['foot_left', 'foot_right'];
 
+/** How the angles of a leg begin: hip, knee and ankle. */
+export const LEG_JOINTS = ['pelvis_thigh', 'thigh_shank', 'shank_foot'] as const;
+const LEG_ANGLE = new RegExp(`^(?:${LEG_JOINTS.join('|')})_(left|right)_`);
+
+/** Which limb an angle is of. */
+export function limbOf(angle: string | undefined): 'arm' | 'leg' {
+  return LEG_ANGLE.test(angle ?? '') ? 'leg' : 'arm';
+}
+
 /** Sensors of one arm, from the shoulder outwards. */
 export function armPlacements(side: 'left' | 'right'): Placement[] {
   return [`upper_arm_${side}`, `forearm_${side}`, `hand_${side}`];
@@ -13,19 +22,25 @@ export function armPlacements(side: 'left' | 'right'): Placement[] {
  * leg, the pelvis and that leg.
  */
 export function suggestedPlacements(side: Side | null | undefined, angle = ''): Placement[] {
-  const leg = /^(?:pelvis_thigh|thigh_shank|shank_foot)_(left|right)_/.exec(angle)?.[1];
+  const leg = LEG_ANGLE.exec(angle)?.[1];
   if (leg) return ['sternum', 'pelvis', ...legPlacements(leg === 'left' ? 'left' : 'right')];
   if (side === 'both') return ['sternum', ...armPlacements('left'), ...armPlacements('right')];
   return ['sternum', ...armPlacements(side === 'left' ? 'left' : 'right')];
 }
 
 /** Sensors of one leg, from the hip down. */
-function legPlacements(side: 'left' | 'right'): Placement[] {
+export function legPlacements(side: 'left' | 'right'): Placement[] {
   return [`thigh_${side}`, `shank_${side}`, `foot_${side}`];
 }
 
 /** Sensors on the legs: hips, knees and ankles; with both thighs and the trunk the centre of mass. */
 export const LEG_PLACEMENTS: Placement[] = [...legPlacements('left'), ...legPlacements('right')];
+
+/** Whether legs are measured and no arm is. */
+export function isOfLegs(placements: readonly string[]): boolean {
+  const has = (some: readonly string[]) => some.some((one) => placements.includes(one));
+  return has(LEG_PLACEMENTS) && !has([...armPlacements('left'), ...armPlacements('right')]);
+}
 
 /** Whether a hip, a knee or an ankle has a sensor above and below it. */
 function tellsLeg(placements: readonly Placement[]): boolean {

@@ -11,6 +11,7 @@ import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
+import { limbOf } from '../lib/placements';
 import { TemplateLibrary } from './template/TemplateLibrary';
 import { isWalk, primaryAngles, usualAngle, usualPosture } from '../lib/exercises';
 
@@ -67,7 +68,10 @@ function NewExercise({ onDone }: { onDone: () => void }) {
             value={side}
             onChange={setSide}
             columns={2}
-            options={(['left', 'right'] as const).map((value) => ({ value, title: t(`exercise.arm.${value}`) }))}
+            options={(['left', 'right'] as const).map((value) => ({
+              value,
+              title: t(`exercise.${limbOf(primary)}.${value}`),
+            }))}
           />
           <PostureChoice value={shownPosture} onChange={setPosture} />
           <Select
@@ -97,7 +101,10 @@ function Card({ exercise }: { exercise: Exercise }) {
     movement !== exercise.name && movement,
     ...(isWalk(exercise.movement)
       ? []
-      : [t(`exercise.arm.${exercise.side ?? 'right'}`), t(`exercise.posture.${exercise.posture ?? 'standing'}`)]),
+      : [
+          t(`exercise.${limbOf(exercise.primary_angle)}.${exercise.side ?? 'right'}`),
+          t(`exercise.posture.${exercise.posture ?? 'standing'}`),
+        ]),
   ].filter(Boolean);
   return (
     <li className="card exercise-card">

@@ -100,12 +100,19 @@ function Frame({ children, view = '0 0 240 306' }: { children: ReactNode; view?:
   );
 }
 
-function Moves({ shoulder, sign, arm, before, turns }: ManyArms & { shoulder: Point; sign: 1 | -1 }) {
+function Moves({
+  shoulder,
+  sign,
+  arm,
+  before,
+  turns,
+  kind = 'moves',
+}: ManyArms & { shoulder: Point; sign: 1 | -1; kind?: 'rest' | 'moves' }) {
   const { elbow, wrist } = armPoints(shoulder, arm, sign);
   return (
     <>
       {before && <ArmShape shoulder={shoulder} arm={before} sign={sign} kind="before" />}
-      <ArmShape shoulder={shoulder} arm={arm} sign={sign} kind="moves" />
+      <ArmShape shoulder={shoulder} arm={arm} sign={sign} kind={kind} />
       {before && turns === 'shoulder' && (
         <Sweep around={shoulder} radius={UPPER + 34} from={before[0] + 8} to={arm[0] - 14} sign={sign} />
       )}
@@ -122,28 +129,55 @@ function Moves({ shoulder, sign, arm, before, turns }: ManyArms & { shoulder: Po
   );
 }
 
-/** Seen from the front, standing or on a stool; both arms do the same. `view` is the part of the drawing that is shown. */
+function LegShape({
+  hip,
+  knee,
+  ankle,
+  isSeated,
+  kind,
+}: {
+  hip: number;
+  knee: Point;
+  ankle: number;
+  isSeated: boolean | undefined;
+  kind: 'rest' | 'moves';
+}) {
+  return (
+    <g className={`figure-${kind}`}>
+      <path d={limb([hip, 168], knee, 15, isSeated ? 15 : 11)} />
+      <path d={limb(knee, [ankle, 284], isSeated ? 13 : 11, 7)} />
+      <path d={`M${ankle - 10} 292c0-6 5-8 10-8s10 3 10 8z`} />
+    </g>
+  );
+}
+
+export type Limb = 'right_arm' | 'left_arm' | 'right_leg' | 'left_leg';
+const ARMS: readonly Limb[] = ['right_arm', 'left_arm'];
+
+/**
+ * Seen from the front, standing or on a stool; both arms do the same. `view` is the part of the drawing that is shown,
+ * `stressed` are the limbs in colour.
+ */
 export function FrontFigure({
   isSeated,
   view = '-36 0 312 306',
+  stressed = ARMS,
   ...arms
-}: ManyArms & { isSeated?: boolean; view?: string }) {
+}: ManyArms & { isSeated?: boolean; view?: string; stressed?: readonly Limb[] }) {
   const knee = isSeated ? 204 : 230;
+  const kind = (limb: Limb) => (stressed.includes(limb) ? 'moves' : 'rest');
   return (
     <Frame view={view}>
       <path className="figure-floor" d="M0 296h240" />
       {isSeated && <path className="figure-chair" d="M82 196h76M88 198v94M152 198v94" />}
+      <LegShape hip={107} knee={[104, knee]} ankle={103} isSeated={isSeated} kind={kind('right_leg')} />
+      <LegShape hip={133} knee={[136, knee]} ankle={137} isSeated={isSeated} kind={kind('left_leg')} />
       <g className="figure-rest">
-        <path d={limb([107, 168], [104, knee], 15, isSeated ? 15 : 11)} />
-        <path d={limb([104, knee], [103, 284], isSeated ? 13 : 11, 7)} />
-        <path d={limb([133, 168], [136, knee], 15, isSeated ? 15 : 11)} />
-        <path d={limb([136, knee], [137, 284], isSeated ? 13 : 11, 7)} />
-        <path d="M92 292c0-6 6-8 11-8s9 3 9 8zM128 292c0-5 4-8 9-8s11 2 11 8z" />
         <path d="M112 58h16l2 12c10 2 20 5 24 12 4 8-4 34-8 54-2 12 0 22 2 34H92c2-12 4-22 2-34-4-20-12-46-8-54 4-7 14-10 24-12z" />
         <ellipse cx="120" cy="36" rx="17" ry="22" />
       </g>
-      <Moves shoulder={[93, 84]} sign={-1} {...arms} />
-      <Moves shoulder={[147, 84]} sign={1} {...arms} />
+      <Moves shoulder={[93, 84]} sign={-1} {...arms} kind={kind('right_arm')} />
+      <Moves shoulder={[147, 84]} sign={1} {...arms} kind={kind('left_arm')} />
     </Frame>
   );
 }

@@ -1,12 +1,16 @@
+import { render } from '@testing-library/react';
+import { createElement } from 'react';
 import { describe, expect, it } from 'vitest';
-import type { AuditEntry, CaseloadRow, ProgressMeasure } from '../../src/api/types';
+import type { AuditEntry, CaseloadRow, Placement, ProgressMeasure, SessionDetail } from '../../src/api/types';
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
 import { matches } from '../../src/lib/assessment/caseload';
-import { placementProblem, suggestedPlacements } from '../../src/lib/placements';
-import { plainProgress } from '../../src/lib/plain';
+import { nearOf } from '../../src/kinds';
+import { limbOf, placementProblem, suggestedPlacements } from '../../src/lib/placements';
+import { jointOf, plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
+import { WearPicture } from '../../src/pictures/WearPicture';
 
 const row = (
   given_name: string,
@@ -90,7 +94,35 @@ describe('what is worn at home', () => {
   });
 });
 
+describe('what a session is of', () => {
+  it('is a leg where legs are measured and no arm is: the nearest view goes there', () => {
+    const near = (placements: string[], pipeline = 'arm') => nearOf({ pipeline, placements } as SessionDetail);
+    expect(near(suggestedPlacements('left', 'pelvis_thigh_left_zxy_abduction'))).toBe('leg');
+    expect(near(suggestedPlacements('left'))).toBe('arm');
+    expect(near(['upper_arm_left', 'thigh_left', 'shank_left'])).toBe('arm');
+    expect(near(['foot_left', 'foot_right'], 'gait')).toBe('feet');
+    expect(limbOf('shank_foot_left_zxy_inversion')).toBe('leg');
+    expect(limbOf('thorax_humerus_left_yxy_elevation')).toBe('arm');
+  });
+  it('is what the picture of the places has in colour', () => {
+    const coloured = (placements: Placement[]) =>
+      [
+        ...render(createElement(WearPicture, { placements, label: 'Places' })).container.querySelectorAll('path'),
+      ].filter((one) => one.closest('.figure-moves')).length;
+    // Three parts of an arm, three of a leg.
+    expect(coloured(['sternum', 'upper_arm_right', 'forearm_right'])).toBe(3);
+    expect(coloured(suggestedPlacements('left', 'thigh_shank_left_zxy_flexion'))).toBe(3);
+    expect(coloured(['sternum'])).toBe(0);
+  });
+});
+
 describe('plain words', () => {
+  it('name the joint of a leg', () => {
+    expect(jointOf('range:thigh_shank_right_zxy_flexion')).toBe('knee');
+    expect(jointOf('range:pelvis_thigh_left_zxy_abduction')).toBe('hip');
+    expect(jointOf('range:shank_foot_left_zxy_flexion')).toBe('ankle');
+    expect(jointOf('range:humerus_forearm_left_zxy_flexion')).toBe('elbow');
+  });
   const measure = (change: number | null, is_real_change: boolean | null, points = 3): ProgressMeasure => ({
     measure: 'range:elbow',
     label: 'Elbow',

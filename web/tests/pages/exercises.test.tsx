@@ -34,6 +34,14 @@ describe('how an exercise is done', () => {
     );
   });
 
+  it('names the limb whose angle counts', async () => {
+    const knee = { ...EXERCISE, name: 'Straighten', movement: 'other', primary_angle: 'thigh_shank_left_zxy_flexion' };
+    renderPage(<ExercisesPage />, {
+      answers: { '/api/exercises': [{ ...knee, side: 'left', posture: 'seated' }], '/api/templates': [] },
+    });
+    expect(await screen.findByText('Another movement · Left leg · Sitting')).toBeTruthy();
+  });
+
   it('is not repeated where the name says it', async () => {
     const walk = { ...EXERCISE, id: 'w', name: 'Timed up and go', movement: 'timed_up_and_go', description: '' };
     renderPage(<ExercisesPage />, { answers: { '/api/exercises': [walk], '/api/templates': [] } });

@@ -18,7 +18,7 @@ import { Confirm } from '../../components/forms/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
-import { kindOf } from '../../kinds';
+import { nearOf } from '../../kinds';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
 import { exerciseOf } from '../../lib/exercises';
@@ -279,7 +279,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             sessionId={session.id}
             request={LIVE}
             title={t('home.picture')}
-            near={kindOf(session).near}
+            near={nearOf(session)}
             onShown={setShown}
             from={records ? 'movement' : 'start'}
             isPlain

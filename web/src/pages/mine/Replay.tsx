@@ -8,7 +8,7 @@ import type { PlayerState, SessionDetail } from '../../api/types';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
-import { kindOf } from '../../kinds';
+import { nearOf } from '../../kinds';
 import { t } from '../../i18n';
 import { position, weekday } from '../../lib/format';
 import { plainFeedback } from '../../lib/plain';
@@ -94,7 +94,7 @@ function Watch({ session }: { session: SessionDetail }) {
           markers_id: null,
         }}
         title={t(comparison ? 'home.pictureExample' : 'home.picture')}
-        near={kindOf(session).near}
+        near={nearOf(session)}
         player={player}
         ghost={GHOST}
         onShown={setShown}

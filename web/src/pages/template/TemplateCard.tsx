@@ -11,6 +11,7 @@ import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { date, number } from '../../lib/format';
+import { limbOf } from '../../lib/placements';
 import '../../styles/design.css';
 
 const MOST_TAGS = 20;
@@ -233,7 +234,9 @@ function MirrorForm({
   };
   return (
     <form className="stack" onSubmit={submit}>
-      <p className="muted">{t('library.mirrorText', { side: t(`exercise.arm.${other}`) })}</p>
+      <p className="muted">
+        {t('library.mirrorText', { side: t(`exercise.${limbOf(version.primary_channel)}.${other}`) })}
+      </p>
       {copy.error && <Problem error={copy.error} />}
       <TextInput
         label={t('template.name')}

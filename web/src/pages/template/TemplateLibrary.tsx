@@ -9,6 +9,7 @@ import type { Exercise, Template } from '../../api/types';
 import { Answer, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
+import { limbOf } from '../../lib/placements';
 import '../../styles/design.css';
 
 export function TemplateLibrary({ exercises }: { exercises: readonly Exercise[] }) {
@@ -87,7 +88,7 @@ function Entry({
         <div className="muted small">
           {[
             exercise?.name,
-            exercise && t(`exercise.arm.${exercise.side ?? 'right'}`),
+            exercise && t(`exercise.${limbOf(exercise.primary_angle)}.${exercise.side ?? 'right'}`),
             newest && t('library.newest', { number: newest.number, date: date(newest.created_at), by: newest.made_by }),
           ]
             .filter(Boolean)

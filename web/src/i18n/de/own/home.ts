@@ -72,7 +72,7 @@ export const home: Translated<typeof english> = {
   'home.sensorLost': 'Kein Signal von: {places}. Ist der Sensor geladen und eingeschaltet?',
   'home.sensorEmpty': 'Der Akku ist fast leer: {places}.',
   'home.standing': 'Ich stehe still',
-  'home.cancelStill': 'Abbrechen, ich muss mich bewegen',
+  'home.cancelStill': 'Ich muss mich bewegen',
   'home.cannotStand': 'Sie können nicht so stehen? Machen Sie diese Übung gemeinsam in Ihrer Praxis.',
   'home.holdingProgress': 'Wie lange Sie noch stillhalten',
   'home.go': 'Los',

@@ -37,7 +37,7 @@ export const session = {
   'mass.how':
     'Where the whole body weighs: the parts by their usual share of the weight, moved by the sensors. Ahead and left as the trunk faces, from the middle between the ankles; height above the floor under the lower foot. The uncertainty is one standard deviation, with what is not measured.',
   'placements.legend': 'Sensors',
-  'placements.help': 'Choose what the patient wears. The chest sensor shows whether the trunk helps the arm.',
+  'placements.help': 'Choose what the patient wears. The chest sensor shows whether the trunk helps.',
   'placements.trunk': 'Trunk and head',
   'placements.leftArm': 'Left arm',
   'placements.leftSide': 'Left side',
@@ -189,6 +189,7 @@ export const session = {
   'camera.side': 'Side',
   'camera.top': 'Above',
   'camera.arm': 'Arm',
+  'camera.leg': 'Leg',
   'camera.left': 'Turn left',
   'camera.right': 'Turn right',
   'camera.nearer': 'Nearer',

@@ -10,7 +10,7 @@ import { Viewer3D } from '../../../components/Viewer3D';
 import { useSignedIn } from '../../../components/account/useSignedIn';
 import { Traces } from '../../../charts/Traces';
 import { t } from '../../../i18n';
-import { kindOf } from '../../../kinds';
+import { kindOf, nearOf } from '../../../kinds';
 import { partsOf } from '../../../kinds/parts';
 import type { LiveProps } from '../../../kinds/kind';
 import { fullName, patientCrumbs } from '../../../lib/people';
@@ -168,7 +168,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             )}
             {Start && isStarted && <Start {...shown} />}
             {isStarted && (
-              <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={kind.near} />
+              <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={nearOf(session)} />
             )}
             {Curves && isStarted && !isUnset && <Curves {...shown} />}
             {isUnset && (

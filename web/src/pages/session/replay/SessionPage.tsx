@@ -20,7 +20,7 @@ import { Page } from '../../../components/Page';
 import { Timeline } from '../../../components/Timeline';
 import { Viewer3D } from '../../../components/Viewer3D';
 import { t } from '../../../i18n';
-import { kindOf } from '../../../kinds';
+import { kindOf, nearOf } from '../../../kinds';
 import { partsOf } from '../../../kinds/parts';
 import { preferredAngles } from '../../../lib/channels';
 import { dateTime, duration } from '../../../lib/format';
@@ -133,7 +133,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
               markers_id: marked?.id ?? null,
             }}
             title={t(marked ? 'markers.viewer' : 'viewer.replayTitle')}
-            near={marked ? 'marker' : kind.near}
+            near={marked ? 'marker' : nearOf(session)}
             isReady={!isWaiting}
             player={player}
             ghost={ghost}

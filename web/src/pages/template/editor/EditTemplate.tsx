@@ -21,6 +21,7 @@ import {
 } from '../../../lib/assessment/design';
 import { pickCurves } from '../../../lib/assessment/comparison';
 import { bodyLength, date } from '../../../lib/format';
+import { limbOf } from '../../../lib/placements';
 import '../../../styles/design.css';
 import { BandChart } from './BandChart';
 import { CueRules } from './CueRules';
@@ -109,7 +110,10 @@ function Drawing({
             onRemove={(at) => onDraft((now) => withoutPhase(now, at))}
             onSuggest={() => onDraft((now) => suggested(now, main.mean))}
           />
-          <p className="muted small">{t('design.scaled', { reach: bodyLength(version.reach_m) })}</p>
+          {/* Of a leg no positions are compared, which a reach would scale. */}
+          {limbOf(version.primary_channel) === 'arm' && (
+            <p className="muted small">{t('design.scaled', { reach: bodyLength(version.reach_m) })}</p>
+          )}
         </div>
       </div>
     </section>
