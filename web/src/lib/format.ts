@@ -12,6 +12,7 @@ const UNITS: Record<string, DisplayUnit> = {
   rad: { factor: 180 / Math.PI, suffix: '°', digits: 0 },
   deg: { factor: 1, suffix: '°', digits: 0 },
   'rad/s': { factor: 180 / Math.PI, suffix: ' °/s', digits: 0 },
+  'deg/s': { factor: 1, suffix: ' °/s', digits: 0 },
   m: { factor: 100, suffix: ' cm', digits: 1 },
   metres: { factor: 1, suffix: ' m', digits: 0 },
   'm/s': { factor: 1, suffix: ' m/s', digits: 2 },
@@ -70,9 +71,15 @@ export function weighedQuantity(value: number | null | undefined, unit: string |
   return `${number(value, 3)} m`;
 }
 
-/** How far two values lie apart: between percentages in percentage points, which are not a share of either. */
+/**
+ * How far two values lie apart: between percentages in percentage points, which are not a share of either. What is not
+ * nothing gets the digit that shows it.
+ */
 export function span(value: number | null | undefined, unit: string | null | undefined): string {
-  const text = quantity(value, unit);
+  const { factor, digits, suffix } = displayUnit(unit);
+  const size = Math.abs((value ?? NaN) * factor);
+  const isTiny = size > 0 && size < 0.5 * 10 ** -digits;
+  const text = isTiny ? `${number((value ?? NaN) * factor, digits + 1)}${suffix}` : quantity(value, unit);
   return displayUnit(unit).suffix === ' %' && text !== '–' ? t('unit.points', { number: text.slice(0, -2) }) : text;
 }
 

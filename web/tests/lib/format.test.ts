@@ -1,5 +1,17 @@
 import { describe, expect, it } from 'vitest';
-import { age, bodyLength, bytes, day, duration, number, position, quantity, uncertain } from '../../src/lib/format';
+import {
+  age,
+  bodyLength,
+  bytes,
+  day,
+  difference,
+  duration,
+  number,
+  position,
+  quantity,
+  span,
+  uncertain,
+} from '../../src/lib/format';
 
 describe('numbers', () => {
   it('shows degrees only at the edge of the screen', () => {
@@ -22,6 +34,16 @@ describe('numbers', () => {
   });
   it('keeps a unit it does not know', () => {
     expect(quantity(3, 'N')).toBe('3.00 N');
+  });
+  it('shows speeds of turning in degrees, however the service sends them', () => {
+    expect(quantity(31.35, 'deg/s')).toBe('31 °/s');
+    expect(quantity(Math.PI, 'rad/s')).toBe('180 °/s');
+  });
+  it('never shows a difference as nothing that is something', () => {
+    expect(span(0.4, 'deg')).toBe('0.4°');
+    expect(span(0.6, 'deg')).toBe('1°');
+    expect(span(0, 'deg')).toBe('0°');
+    expect(difference(-0.3, '%')).toBe('−0.3 percentage points');
   });
   it('writes sizes', () => {
     expect(bytes(480)).toBe('480 B');

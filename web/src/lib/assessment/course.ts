@@ -12,7 +12,7 @@ export interface CourseRow {
   sessions: number;
 }
 
-const MOST_ROWS = 10;
+const MOST_ROWS = 9;
 
 /** What is said first: the main measure as it comes, then compensation, then whatever changed for sure. */
 export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROWS): CourseRow[] {

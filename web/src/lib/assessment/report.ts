@@ -16,15 +16,18 @@ export const MEASURE_GROUPS = [
   'path',
   'compensation',
 ] as const;
-const MOST_ROWS = 11;
+const MOST_ROWS = 10;
 
-/** The measures for one page: of each group the first ones in turn, in the order of the groups. */
+/** The measures for one page: of each group the first ones in turn, in the order of the groups; `main` leads its own. */
 export function reportRows(
   summary: readonly MeasureValue[],
   progress: readonly ProgressMeasure[],
   most = MOST_ROWS,
+  main = '',
 ): ReportRow[] {
-  const known = summary.filter((one) => typeof one.value === 'number' && !one.measure.startsWith('range_ratio:'));
+  const known = summary
+    .filter((one) => typeof one.value === 'number' && !one.measure.startsWith('range_ratio:'))
+    .sort((a, b) => Number(b.measure === main) - Number(a.measure === main));
   const groups = MEASURE_GROUPS.map((group) => known.filter((one) => one.group === group));
   const chosen = new Set<MeasureValue>();
   for (let round = 0; chosen.size < most && groups.some((group) => group.length > round); round += 1) {
@@ -56,4 +59,14 @@ export function countedText(repetitions: ComparisonDetail['repetitions']): strin
   ]
     .filter(Boolean)
     .join('; ');
+}
+
+/** The repetitions of a session: as they were counted, and how many were evaluated where that says more. */
+export function repetitionsText({
+  repetitions,
+  repetition_count: evaluated,
+}: Pick<ComparisonDetail, 'repetitions' | 'repetition_count'>): string {
+  const counted = countedText(repetitions);
+  const isAll = counted && repetitions.every((one) => one.repetition.counted) && evaluated === repetitions.length;
+  return [counted, !isAll && t('report.repetitions', { count: evaluated })].filter(Boolean).join(' · ');
 }

@@ -6,7 +6,7 @@ import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
 import { BASELINE } from '../../lib/assessment/baseline';
-import { countedText, reportRows } from '../../lib/assessment/report';
+import { repetitionsText, reportRows } from '../../lib/assessment/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
@@ -62,7 +62,7 @@ export function SummarySheet(props: ReportProps) {
   const { session, patient, comparison, progress } = props;
   const measures = progress?.measures ?? [];
   const main = mainMeasure(measures);
-  const rows = reportRows(comparison?.summary ?? [], measures);
+  const rows = reportRows(comparison?.summary ?? [], measures, undefined, main?.measure);
   const mainValue = comparison?.summary.find((one) => one.measure === main?.measure) ?? rows[0]?.value ?? null;
   return (
     <Sheet title={t('report.summary')} number={1} session={session} patient={patient}>
@@ -88,11 +88,7 @@ export function SummarySheet(props: ReportProps) {
         {comparison && (
           <div>
             <dt>{t('progress.count')}</dt>
-            <dd>
-              {[countedText(comparison.repetitions), t('report.repetitions', { count: comparison.repetition_count })]
-                .filter(Boolean)
-                .join(' · ')}
-            </dd>
+            <dd>{repetitionsText(comparison)}</dd>
           </div>
         )}
       </dl>

@@ -1,9 +1,9 @@
 import { act, render } from '@testing-library/react';
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import type { MeasureValue } from '../../../src/api/types';
+import type { ComparisonDetail, MeasureValue } from '../../../src/api/types';
 import { joined, PaperPhases, pathOf } from '../../../src/charts/PaperChart';
 import { niceTicks } from '../../../src/charts/scales';
-import { reportRows } from '../../../src/lib/assessment/report';
+import { repetitionsText, reportRows } from '../../../src/lib/assessment/report';
 import { verdict, verdictText } from '../../../src/pages/report/SummarySheet';
 
 const measure = (name: string, group: string, value: number | null = 1): MeasureValue => ({
@@ -29,6 +29,8 @@ describe('rows of the report', () => {
     ];
     const rows = reportRows(summary, [], 4);
     expect(rows.map((row) => row.value.measure)).toEqual(['range:a', 'range:b', 'duration', 'lean']);
+    const ofKnee = reportRows(summary, [], 4, 'range:c');
+    expect(ofKnee.map((row) => row.value.measure)).toEqual(['range:c', 'range:a', 'duration', 'lean']);
   });
   it('puts the progress of a measure beside it', () => {
     const over = {
@@ -43,6 +45,19 @@ describe('rows of the report', () => {
       bands: [],
     };
     expect(reportRows([measure('duration', 'timing')], [over])[0]?.progress).toBe(over);
+  });
+});
+
+describe('repetitions of the report', () => {
+  const made = (counted: string[], evaluated: number) =>
+    repetitionsText({
+      repetition_count: evaluated,
+      repetitions: counted.map((one, index) => ({ repetition: { number: index + 1, counted: one } })),
+    } as unknown as ComparisonDetail);
+  it('are stated once where all that were counted were evaluated', () => {
+    expect(made(['valid', 'partial'], 2)).toBe('1 of 2 valid; not far enough: 2');
+    expect(made(['valid', 'partial'], 1)).toBe('1 of 2 valid; not far enough: 2 · 1 repetition evaluated');
+    expect(made(['', ''], 2)).toBe('2 repetitions evaluated');
   });
 });
 

@@ -80,7 +80,7 @@ export const report: Translated<typeof english> = {
   'report.progressLabel': '{label} über {count} Sitzungen, von {first} bis {last}',
   'report.noCalibration': 'Nicht kalibriert',
   'report.estimator': 'Schätzung',
-  'report.estimatorText': '{kind} mit {title} (Version {version}), Armmodell Version {pipeline}',
+  'report.estimatorText': '{kind} mit {title} (Version {version}), Körpermodell Version {pipeline}',
   'report.dataLoss': 'Datenqualität',
   'report.dataLossText': '{percent} % der Pakete fehlen; Lücken über 0,2 s: {gaps}; Sensorausfälle: {lost}',
   'report.templateText': '„{name}“, Version {number} vom {date}, Mittel aus {count} Wiederholungen',
@@ -103,10 +103,10 @@ export const report: Translated<typeof english> = {
   'report.word.phase.text':
     'Lage und Zeit werden getrennt beurteilt: Kurven werden nach zeitlicher Anpassung verglichen; der Zeitverlauf ist ein eigenes Maß.',
   'report.word.sparc': 'Bewegungsfluss',
-  'report.word.sparc.text': 'SPARC, die spektrale Bogenlänge der Handgeschwindigkeit: näher an null ist flüssiger.',
+  'report.word.sparc.text': 'SPARC, die spektrale Bogenlänge der Geschwindigkeit: näher an null ist flüssiger.',
   'report.word.angles': 'Gelenkwinkel',
   'report.word.angles.text':
-    'ISB-Empfehlung (Wu et al. 2005): Schulter Y‑X‑Y, Ellbogen und Handgelenk Z‑X‑Y. Abschnitte nahe einer singulären Stellung fließen nicht in die Bewertung ein.',
+    'ISB-Empfehlung (Wu et al. 2002, 2005): Schulter Y‑X‑Y; Ellbogen, Handgelenk, Hüfte, Knie und Sprunggelenk Z‑X‑Y. Abschnitte nahe einer singulären Stellung fließen nicht in die Bewertung ein.',
   'report.limits':
     'Am Körper getragene Inertialsensoren messen die Orientierung; Positionen ergeben sich aus den Körpermaßen. Der Bericht unterstützt die klinische Beurteilung und ersetzt sie nicht.',
   'report.ids':

@@ -77,7 +77,7 @@ export const report = {
   'report.progressLabel': '{label} over {count} sessions, from {first} to {last}',
   'report.noCalibration': 'Not calibrated',
   'report.estimator': 'Estimation',
-  'report.estimatorText': '{kind} with {title} (version {version}), arm model version {pipeline}',
+  'report.estimatorText': '{kind} with {title} (version {version}), body model version {pipeline}',
   'report.dataLoss': 'Data quality',
   'report.dataLossText': '{percent} % of the packets missing; gaps longer than 0.2 s: {gaps}; sensors lost: {lost}',
   'report.templateText': '“{name}”, version {number} of {date}, mean of {count} repetitions',
@@ -97,10 +97,10 @@ export const report = {
   'report.word.phase.text':
     'Position and time are assessed separately: curves are compared after alignment in time; timing is a measure of its own.',
   'report.word.sparc': 'Smoothness',
-  'report.word.sparc.text': 'SPARC, the spectral arc length of the hand’s speed: nearer to zero is smoother.',
+  'report.word.sparc.text': 'SPARC, the spectral arc length of the speed: nearer to zero is smoother.',
   'report.word.angles': 'Joint angles',
   'report.word.angles.text':
-    'ISB recommendation (Wu et al. 2005): shoulder Y‑X‑Y, elbow and wrist Z‑X‑Y. Stretches near a singular position are excluded from scores.',
+    'ISB recommendation (Wu et al. 2002, 2005): shoulder Y‑X‑Y; elbow, wrist, hip, knee and ankle Z‑X‑Y. Stretches near a singular position are excluded from scores.',
   'report.limits':
     'Body-worn inertial sensors measure orientation; positions follow from body dimensions. The report supports clinical judgement and does not replace it.',
   'report.ids': 'Session {session}, result {result}. The recording is stored and can be analysed again.',
