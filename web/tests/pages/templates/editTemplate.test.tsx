@@ -57,12 +57,12 @@ const version: TemplateVersionDetail = {
     ],
   },
 };
-const open = () =>
+const open = (shown = version) =>
   renderPage(<EditTemplatePage />, {
     at: '/templates/versions/v1',
     path: '/templates/versions/:versionId',
     answers: {
-      '/api/template-versions/v1': version,
+      '/api/template-versions/v1': shown,
       'POST /api/templates/t/versions': [201, { ...version, id: 'v2', number: 2 }],
     },
   });
@@ -188,4 +188,17 @@ it('can be read and used by everybody', async () => {
   const found = await axe.run(view.container, { rules });
   expect(found.violations.map((one) => `${one.id}: ${one.nodes[0]?.html}`)).toEqual([]);
   expect(screen.getByRole('button', { name: 'Save as version 2' }).getAttribute('disabled')).not.toBe(null);
+});
+
+it('puts the value of a grip at the rim beside it, and names no reach of a leg', async () => {
+  const channel = 'thigh_shank_right_zxy_flexion';
+  const bent = curve(channel, 'Knee flexion', -60);
+  const [low, high] = [-4, 4].map((by) => bent.mean.map((value) => (value ?? 0) + by));
+  const knee = { ...bent, low: low ?? [], high: high ?? [], width: bent.mean.map(() => 4) };
+  open({ ...version, primary_channel: channel, content: { ...version.content, curves: [knee] } });
+  const valueOf = (name: string) => screen.getByRole('slider', { name }).querySelector('.band-value');
+  await screen.findByRole('slider', { name: 'Whole movement: lower limit' });
+  expect(valueOf('Whole movement: lower limit')?.getAttribute('text-anchor')).toBe('start');
+  expect(valueOf('Whole movement: upper limit')?.getAttribute('text-anchor')).toBe('middle');
+  expect(screen.queryByText(/with a reach of/)).toBeNull();
 });

@@ -285,7 +285,7 @@ export const session: Translated<typeof english> = {
   'group.shape': 'Form',
   'group.smoothness': 'Bewegungsfluss',
   'group.coordination': 'Schulter und Ellbogen zusammen',
-  'group.path': 'Weg der Hand',
+  'group.path': 'Weg und Geschwindigkeit',
   'group.compensation': 'Ausweichbewegung',
   'phase.summary':
     '{label} über die Phasen der Bewegung: Die Vorlage reicht von {low} bis {high}; {count} Wiederholungen gezeichnet.',

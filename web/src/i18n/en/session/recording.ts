@@ -276,7 +276,7 @@ export const session = {
   'group.shape': 'Shape',
   'group.smoothness': 'Smoothness',
   'group.coordination': 'Shoulder and elbow together',
-  'group.path': 'Path of the hand',
+  'group.path': 'Path and speed',
   'group.compensation': 'Compensation',
   'phase.summary':
     '{label} over the phases of the movement: the template runs from {low} to {high}; {count} repetitions drawn.',

@@ -220,10 +220,12 @@ function Grip({
       <rect className="band-pill" x={-20} y={-10} width={40} height={20} rx={10} />
       <path className="band-lines" d="M-8 -3h16M-8 3h16" />
       {(isFree || isOn) && (
+        // At the rim beside the grip: between two grips of a narrow band is no room.
         <text
           className="band-value"
-          y={handle.edge === 'above' ? (y < scales.top + 34 ? 28 : -18) : y > scales.bottom - 34 ? -18 : 30}
-          textAnchor="middle"
+          {...((handle.edge === 'above' ? y < scales.top + 34 : y > scales.bottom - 34)
+            ? { x: 26, y: 5, textAnchor: 'start' }
+            : { y: handle.edge === 'above' ? -18 : 30, textAnchor: 'middle' })}
         >
           {isFree ? t('design.free') : quantity(away, curve.unit)}
         </text>
