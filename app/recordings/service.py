@@ -8,6 +8,7 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.database.base import utc_now
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, InvalidInput, NotFound
 from app.network.packet_log import write_log
@@ -30,7 +31,7 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.signals.chunks import layout_from_dict
-from app.recordings.signals.store import read_frames, read_packets
+from app.recordings.signals.store import read_frames, read_packets, stored_ranges
 from app.sentences import CATALOGUE, say
 from estimators import orientation, pipelines
 from estimators.body import BodyDimensions, body_from_stature
@@ -300,18 +301,25 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
     return job_out(repository.add_job(session, found, "reprocess", wanted.model_dump(), subject))
 
 
-def queue_closing(session: Session, session_id: str) -> str:
+def queue_closing(session: Session, session_id: str) -> str | None:
     """Queue the analysis of a session that has just been closed; returns the task's id.
 
     The live side calls this after its last packet is durable, and again after a restart: while any task of
-    the closing is unfinished, that one stays.
+    the closing is unfinished, that one stays. None for a session that was reopened and to which nothing came: it is
+    analysed already.
     """
     found = session.get_one(MotionSession, session_id)
     unfinished = select(Job).where(Job.session_id == session_id, Job.status.in_(("queued", "running")))
     for job in session.scalars(unfinished.order_by(Job.created_at)):
         if job.arguments.get("close") or job.kind == "upload":
             return job.id
-    job = Job(session_id=session_id, kind="reprocess", arguments={"close": True}, created_by=found.created_by)
+    packets = len(stored_ranges(session, session_id))
+    done = select(Job).where(Job.session_id == session_id, Job.kind == "reprocess", Job.status == "complete")
+    if any(job.arguments.get("packets") == packets for job in session.scalars(done)):
+        found.state, found.ended_at = "analysed", found.ended_at or utc_now()
+        return None
+    arguments = {"close": True, "packets": packets}
+    job = Job(session_id=session_id, kind="reprocess", arguments=arguments, created_by=found.created_by)
     session.add(job)
     session.flush()
     return job.id

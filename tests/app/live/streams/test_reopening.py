@@ -101,6 +101,23 @@ def test_one_of_which_nothing_had_come_takes_all(therapist: Any, world: Any, str
     end(therapist, session_id)
 
 
+def test_what_is_closed_without_anything_new_is_not_analysed_again(
+    therapist: Any, world: Any, stream: DeviceStream
+) -> None:
+    session_id = new_session(therapist, world.patient_id, stream)
+    send(therapist, session_id, stream, range(BEFORE), PacketFlag(0))
+    end(therapist, session_id)
+    before = therapist.get(f"/api/sessions/{session_id}").json()
+    for connects in (False, True):
+        therapist.post(f"/api/sessions/{session_id}/reopen")
+        if connects:
+            send(therapist, session_id, stream, range(BEFORE - 1, BEFORE), PacketFlag.BACKFILLED)
+        end(therapist, session_id)
+    after = therapist.get(f"/api/sessions/{session_id}").json()
+    assert [one["id"] for one in after["results"]] == [one["id"] for one in before["results"]]
+    assert (after["main_result_id"], after["duration_s"]) == (before["main_result_id"], before["duration_s"])
+
+
 def test_an_upload_is_refused(therapist: Any, world: Any, stream: DeviceStream, engine: Engine) -> None:
     session_id = new_session(therapist, world.patient_id, stream)
     table = MotionSession.__table__
