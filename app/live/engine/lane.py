@@ -59,6 +59,8 @@ class Parts:
         self.skew = SkewEstimator()
         self.health = LinkHealth(declaration.placements, declaration.time_step_s)
         self.pipeline = pipeline
+        self.key: tuple[tuple[object, ...], bytes] | None = None
+        """Of checkpoints, behind what it was made of."""
 
 
 class Pooled(Protocol):

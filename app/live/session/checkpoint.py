@@ -5,12 +5,13 @@ calibration is never guessed at, the session is estimated again from its packets
 below `sequence`; those from there on are to be replayed.
 """
 
+import ast
 import json
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from hashlib import blake2b
-from io import BytesIO
 from typing import Any, Final
 
 import msgspec
@@ -20,13 +21,14 @@ from numpy.typing import NDArray
 
 from app.live.engine.lane import Parts
 from app.live.session.runner import LiveSession
+from app.network.alignment import Aligner
+from app.network.clock import PacketClock
 from app.network.declaration import Declaration
-from estimators import pipelines
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
 
-LAYOUT: Final = 1
+LAYOUT: Final = 2
 """Of `State`, and of the arrays of clock, alignment and orientation filters; to be raised with any change of them."""
 _PIPELINE: Final = "pipeline."
 _ALIGNER: Final = "aligner."
@@ -35,8 +37,8 @@ _ALIGNER: Final = "aligner."
 class _Packed(msgspec.Struct, array_like=True):
     key: bytes
     clock: tuple[int, int, int]
-    arrays: dict[str, bytes]
-    """In the format of `.npy` files, which has the fields of records."""
+    arrays: dict[str, tuple[str, tuple[int, ...], bytes]]
+    """Type (as in the head of a `.npy` file, which has the fields of records), shape and numbers."""
 
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -96,12 +98,22 @@ def capture(session: LiveSession) -> "State | None":
         return None
     own = {f"{_PIPELINE}{name}": values for name, values in parts.pipeline.state().items()}
     own |= {f"{_ALIGNER}{name}": values for name, values in parts.aligner.state().items()}
-    return State(key_of(parts.pipeline, parts.clock.declaration), parts.clock.state(), own)
+    return State(_key(parts), parts.clock.state(), own)
+
+
+def _key(parts: Parts) -> bytes:
+    """Return `key_of`, made anew only when setup or network is another one."""
+    pipeline, declaration = parts.pipeline, parts.clock.declaration
+    made_of = (pipeline.setup, declaration, pipeline.version)
+    if parts.key is None or any(one is not other for one, other in zip(parts.key[0], made_of, strict=True)):
+        parts.key = (made_of, key_of(pipeline, declaration))
+    return parts.key[1]
 
 
 def pack(state: State) -> Checkpoint:
     """Return a state as it is stored."""
-    packed = _Packed(state.key, state.clock, {name: _to_npy(one) for name, one in state.arrays.items()})
+    arrays = {name: (_text_of(one.dtype), one.shape, one.tobytes()) for name, one in state.arrays.items()}
+    packed = _Packed(state.key, state.clock, arrays)
     data = zstandard.ZstdCompressor(level=1, write_checksum=True).compress(msgspec.msgpack.encode(packed))
     return Checkpoint(LAYOUT, state.clock[0] + 1, data)
 
@@ -118,24 +130,31 @@ def resume(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
     if checkpoint is None or checkpoint.layout != LAYOUT:
         return False
     parts = session.now
-    declaration = parts.clock.declaration
+    declaration, before = parts.clock.declaration, None
     try:
         state = _unpack(checkpoint.data)
-        if state.key != key_of(parts.pipeline, declaration):
+        if state.key != _key(parts):
             return False
-        # One that does not fit after all must leave no trace.
-        _restore(Parts(declaration, pipelines.create(parts.pipeline.setup), 0), state)
+        before = parts.pipeline.state()
+        _restore(parts, state)
     except Exception as error:
         # Whatever is wrong with it: the packets are there, and other sessions are to be taken up as well.
         logger.warning("the checkpoint of session %s cannot be read: %s", session.id, type(error).__name__)
+        if before is not None:
+            # One that does not fit after all leaves no trace.
+            parts.pipeline.restore(before)
+            parts.clock, parts.aligner = PacketClock(declaration), Aligner(declaration)
         return False
-    _restore(parts, state)
     return True
 
 
 def _unpack(data: bytes) -> State:
     packed = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(data), type=_Packed)
-    return State(packed.key, packed.clock, {name: _from_npy(one) for name, one in packed.arrays.items()})
+    arrays = {
+        name: np.frombuffer(numbers, _type_of(text)).reshape(shape).copy()
+        for name, (text, shape, numbers) in packed.arrays.items()
+    }
+    return State(packed.key, packed.clock, arrays)
 
 
 def _restore(parts: Parts, state: State) -> None:
@@ -144,15 +163,14 @@ def _restore(parts: Parts, state: State) -> None:
     parts.clock.restore(state.clock)
 
 
-def _to_npy(values: NDArray[Any]) -> bytes:
-    file = BytesIO()
-    np.lib.format.write_array(file, values, allow_pickle=False)
-    return file.getvalue()
+@cache
+def _text_of(of_array: np.dtype[Any]) -> str:
+    return repr(np.lib.format.dtype_to_descr(of_array))
 
 
-def _from_npy(content: bytes) -> NDArray[Any]:
-    found: NDArray[Any] = np.lib.format.read_array(BytesIO(content), allow_pickle=False)
-    return found
+@cache
+def _type_of(text: str) -> np.dtype[Any]:
+    return np.lib.format.descr_to_dtype(ast.literal_eval(text))
 
 
 def _below(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
