@@ -31,6 +31,7 @@ from app.live.session.runner import LiveSession
 from app.live.session.saver import until_written
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
+from app.live.session.streamed import Streamed
 from app.live.side import SteeredSide
 from app.live.warmup import PREPARING, Readiness, prepare_process
 from app.network.declaration import Declaration
@@ -223,6 +224,7 @@ class LiveManager(SteeredSide):
         subject: Subject | None = None,
         *,
         is_admitted: bool = False,
+        streamed: Streamed | None = None,
     ) -> LiveSession:
         """Return the live session of a stored one, opened when it is not live yet; raises as `open`.
 
@@ -234,6 +236,8 @@ class LiveManager(SteeredSide):
             Whose limits count a session that is opened.
         is_admitted : bool
             Open it also where there is no room: packets of it were acknowledged already.
+        streamed : Streamed, optional
+            What is stored of it, read already.
         """
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
             if stored.id in self._closing:
@@ -246,7 +250,7 @@ class LiveManager(SteeredSide):
                 self._being_opened.add(stored.id)
                 try:
                     session = await self._opener.open(
-                        stored.id, declaration, partial(self._prepared, stored.id)
+                        stored.id, declaration, partial(self._prepared, stored.id), streamed
                     )
                 except BaseException:
                     if hold is not None:

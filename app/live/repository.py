@@ -370,9 +370,13 @@ def unfinished(
                 MotionSession.hello.is_not(None),
             )
         ).all()
-    own = [(str(row.id), row.state) for row in rows if is_own(row.id)]
-    stored = [load(engine, one) for one, state in own if state != "closing"]
-    return [one for one in stored if not one.is_ended], [one for one, state in own if state == "closing"]
+        own = [(str(row.id), row.state) for row in rows if is_own(row.id)]
+        open_ones = [one for one, state in own if state != "closing"]
+        found = session.scalars(
+            select(MotionSession).where(MotionSession.id.in_(open_ones), MotionSession.ended_at.is_(None))
+        )
+        stored = [_stored(row) for row in found]
+    return stored, [one for one, state in own if state == "closing"]
 
 
 def calibration_of(setup: dict[str, Any]) -> Calibration | None:

@@ -15,11 +15,14 @@ from estimators.guidance import Guide
 
 if TYPE_CHECKING:
     from app.live.session.runner import LiveSession
+    from app.live.session.streamed import Streamed
 
 logger = logging.getLogger(__name__)
 
 
-def guide_session(session: "LiveSession", engine: Engine, bus: Bus, default_zone: str) -> None:
+def guide_session(
+    session: "LiveSession", engine: Engine, bus: Bus, default_zone: str, streamed: "Streamed | None" = None
+) -> None:
     """Give a session its guidance; blocks, so call it in a thread, before the session has frames.
 
     A template that cannot be followed leaves a word on the time line, and a session that goes on without it.
@@ -32,12 +35,15 @@ def guide_session(session: "LiveSession", engine: Engine, bus: Bus, default_zone
     bus : Bus
     default_zone : str
         In which a day begins where a clinic has not said so.
+    streamed : Streamed, optional
+        What was read already.
     """
-    before = taken_up(engine, session.id)
+    before = taken_up(engine, session.id) if streamed is None else streamed.guided
+    is_prescribed = streamed is None or streamed.is_prescribed
     prescribed = None
     trouble = ""
     try:
-        prescribed = read_guidance(engine, session.id, default_zone)
+        prescribed = read_guidance(engine, session.id, default_zone) if is_prescribed else None
         if prescribed is not None:
             Guide.prepare()
     except EstimationError as error:

@@ -1,11 +1,12 @@
 """What of a guided session is known from its stored time line, so that a restart of the service loses no repetition."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
-from sqlalchemy import Engine, select
+from sqlalchemy import Engine, Row, select
+from sqlalchemy.orm import Session
 
 from app.assessment.design.prescribed import PrescribedGuidance, prescribed_guidance
 from app.database.unit_of_work import read_only
@@ -60,11 +61,22 @@ def read_guidance(engine: Engine, session_id: str, default_zone: str) -> Prescri
 def taken_up(engine: Engine, session_id: str) -> TakenUp:
     """Read where the guidance of a session stood; blocks."""
     with read_only(engine) as session:
-        events = session.execute(
-            select(SessionEvent.kind, SessionEvent.time_s, SessionEvent.details)
-            .where(SessionEvent.session_id == session_id, SessionEvent.kind.in_(("repetition", *_HELD)))
-            .order_by(SessionEvent.created_at, SessionEvent.id)
-        ).all()
+        return stood(session, [session_id])[session_id]
+
+
+def stood(session: Session, session_ids: Sequence[str]) -> dict[str, TakenUp]:
+    """Return where the guidance of each session stood."""
+    of_session: dict[str, list[Row[Any]]] = {one: [] for one in session_ids}
+    for row in session.execute(
+        select(SessionEvent.session_id, SessionEvent.kind, SessionEvent.time_s, SessionEvent.details)
+        .where(SessionEvent.session_id.in_(session_ids), SessionEvent.kind.in_(("repetition", *_HELD)))
+        .order_by(SessionEvent.created_at, SessionEvent.id)
+    ):
+        of_session[row.session_id].append(row)
+    return {one: _stood(events) for one, events in of_session.items()}
+
+
+def _stood(events: Sequence[Row[Any]]) -> TakenUp:
     ends = [place for place, one in enumerate(events) if one.details.get("cause") in ENDS_A_SET]
     held = next((one for one in reversed(events) if one.kind in _HELD), None)
     is_held = held is not None and held.kind != "guidance_resume"
@@ -88,4 +100,4 @@ def _counted(kinds: Iterable[str]) -> GuidanceCounts:
     return GuidanceCounts(**{kind: counted[kind] for kind in ("valid", "partial", "wrong")})
 
 
-__all__ = ["ENDS_A_SET", "TakenUp", "read_guidance", "taken_up"]
+__all__ = ["ENDS_A_SET", "TakenUp", "read_guidance", "stood", "taken_up"]

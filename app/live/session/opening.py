@@ -17,6 +17,7 @@ from app.live.session.checkpoint import Checkpoint
 from app.live.session.rebuild import rebuild
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
+from app.live.session.streamed import Streamed
 from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -72,7 +73,11 @@ class Opener:
     checkpoint: Callable[[str], Checkpoint | None] | None = None
 
     async def open(
-        self, session_id: str, declaration: Declaration, prepared: Callable[[SessionSetup], Awaitable[None]]
+        self,
+        session_id: str,
+        declaration: Declaration,
+        prepared: Callable[[SessionSetup], Awaitable[None]],
+        streamed: Streamed | None = None,
     ) -> LiveSession:
         """Return a session that goes on where its stored packets end.
 
@@ -84,6 +89,8 @@ class Opener:
             Of the gateway.
         prepared : async callable(setup)
             Returns when what the setup needs is compiled, or raises.
+        streamed : Streamed, optional
+            What is stored of it: then nothing is read but the guidance of a prescription, and nothing is written.
 
         Raises
         ------
@@ -94,7 +101,10 @@ class Opener:
         InvalidInput
             No pipeline can be made of the setup.
         """
-        stored = await asyncio.to_thread(repository.load, self.engine, session_id)
+        if streamed is None:
+            stored = await asyncio.to_thread(repository.load, self.engine, session_id)
+        else:
+            stored = streamed.stored
         if stored.state not in OPEN or stored.is_ended:
             raise Conflict(say("live.closed"), state=stored.state)
         known = None if stored.hello is None else Declaration.from_dict(stored.hello)
@@ -111,9 +121,13 @@ class Opener:
             pipeline = pipelines.create(setup)
         except SetupError as error:
             raise InvalidInput(error.message) from error
-        result_id, first_unstored = await asyncio.to_thread(
-            repository.begin_stream, self.engine, session_id, declaration.to_dict(), pipeline
-        )
+        if streamed is None:
+            result_id, first_unstored = await asyncio.to_thread(
+                repository.begin_stream, self.engine, session_id, declaration.to_dict(), pipeline
+            )
+        else:
+            # Hello, setup and result were stored when it began.
+            result_id, first_unstored = streamed.result_id, streamed.first_unstored_tick
         session = LiveSession(
             stored,
             declaration,
@@ -126,18 +140,27 @@ class Opener:
             hemisphere=self.place.hemisphere,
             check=self.check,
         )
-        session.ledger.durable = await asyncio.to_thread(
-            self.writer.open_session, session_id, session.on_durable, session.on_store_failure
-        )
-        session.ledger.received = session.ledger.durable.copy()
-        if len(session.ledger.durable):
-            trouble = await asyncio.to_thread(self._rebuild, session)
-            if trouble is not None:
-                session.line.stop(trouble)
-        await asyncio.to_thread(guide_session, session, self.engine, self.bus, self.place.time_zone)
+        trouble = await asyncio.to_thread(self._go_on, session, streamed)
+        if trouble is not None:
+            session.line.stop(trouble)
         return session
 
-    def _rebuild(self, session: LiveSession) -> Exception | None:
+    def _go_on(self, session: LiveSession, streamed: Streamed | None) -> Exception | None:
+        """Bring a session to where what is stored of it ends; blocks. Returns why its estimation cannot go on."""
+        session.ledger.durable = self.writer.open_session(
+            session.id,
+            session.on_durable,
+            session.on_store_failure,
+            None if streamed is None else streamed.standing,
+        )
+        session.ledger.received = session.ledger.durable.copy()
+        trouble = self._rebuild(session, streamed) if len(session.ledger.durable) else None
+        guide_session(session, self.engine, self.bus, self.place.time_zone, streamed)
+        return trouble
+
+    def _rebuild(self, session: LiveSession, streamed: Streamed | None) -> Exception | None:
+        if streamed is not None:
+            return rebuild(session, self.engine, streamed.checkpoint, streamed.chunks, is_exact=True)
         if self.checkpoint is None:
             return rebuild(session, self.engine)
         return rebuild(session, self.engine, self.checkpoint(session.id), is_exact=True)

@@ -9,6 +9,7 @@ where there is none that fits, its packets are estimated again from the first.
 """
 
 from collections import deque
+from collections.abc import Sequence
 
 from sqlalchemy import Engine
 
@@ -19,7 +20,8 @@ from app.network.alignment import Aligner
 from app.network.clock import Admitted
 from app.network.packet import Packet
 from app.recordings.analysis.offline import decoded
-from app.recordings.signals.store import read_packets_in_order
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.store import packets_in_order, read_packets_in_order
 from estimators.channels import Channel
 from estimators.recording import ImuChunk
 
@@ -28,7 +30,12 @@ PIECE_TICKS = 250
 
 
 def rebuild(
-    session: LiveSession, engine: Engine, checkpoint: Checkpoint | None = None, *, is_exact: bool = False
+    session: LiveSession,
+    engine: Engine,
+    checkpoint: Checkpoint | None = None,
+    chunks: Sequence[EncodedChunk] | None = None,
+    *,
+    is_exact: bool = False,
 ) -> Exception | None:
     """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
 
@@ -39,6 +46,8 @@ def rebuild(
     engine : Engine
     checkpoint : Checkpoint, optional
         Where the session stood; one that does not fit is left.
+    chunks : sequence of EncodedChunk, optional
+        Those that have packets behind the checkpoint, where they were read already.
     is_exact : bool
         Begin with the first packet where there is no checkpoint, also when the last minute would do.
 
@@ -53,7 +62,12 @@ def rebuild(
     is_whole = is_exact or is_resumed or not session.pipeline.begins_anywhere
     again = _Again(session)
     try:
-        for raw in read_packets_in_order(engine, session.id, first):
+        raws = (
+            packets_in_order(chunks, first)
+            if is_resumed and chunks is not None
+            else read_packets_in_order(engine, session.id, first)
+        )
+        for raw in raws:
             packet = decoded(raw)
             place = _admitted(session, packet)
             if place is None:

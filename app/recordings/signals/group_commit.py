@@ -28,14 +28,13 @@ from concurrent.futures import Future
 from itertools import chain, count
 from typing import Any, Final
 
-from sqlalchemy import Engine, func, select
+from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.network.packet_run import PacketRun
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
-from app.recordings.models import SignalChunk
 from app.recordings.signals.buffers import (
     Batch,
     DurableCallback,
@@ -44,10 +43,10 @@ from app.recordings.signals.buffers import (
     event_row,
     tell,
 )
-from app.recordings.signals.chunks import RAW_STREAM, check_packet
+from app.recordings.signals.chunks import check_packet
 from app.recordings.signals.metrics import WriterMetrics
 from app.recordings.signals.rows import AlreadyStoredError, write_batch, write_batches
-from app.recordings.signals.store import stored_ranges, strides_of
+from app.recordings.signals.store import Standing, read_standing
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 
@@ -124,6 +123,7 @@ class GroupCommitWriter:
         session_id: str,
         on_durable: DurableCallback | None = None,
         on_failure: FailureCallback | None = None,
+        standing: Standing | None = None,
     ) -> SequenceRanges:
         """Make a session known and return what is stored of it; reads the database, so not on the event loop.
 
@@ -136,29 +136,27 @@ class GroupCommitWriter:
             Called from the writer thread after each commit, with the whole durable set (a copy).
         on_failure : callable(TelemotionError)
             Called once from the writer thread when the session's rows cannot be written.
+        standing : Standing, optional
+            What is stored of it, where that was read already.
         """
         with self._lock:
             known = self._sessions.get(session_id)
             if known is not None and known.failure is None:
                 known.on_durable, known.on_failure = on_durable, on_failure
                 return known.durable.copy()
-        with self._engine.connect() as connection:
-            durable = stored_ranges(connection, session_id)
-            last = connection.scalar(
-                select(func.max(SignalChunk.sequence)).where(
-                    SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
-                )
-            )
-            strides = strides_of(connection, session_id)
+        if standing is None:
+            with self._engine.connect() as connection:
+                standing = read_standing(connection, session_id)
+        durable = standing.durable.copy()
         opened = OpenSession(
             session_id=session_id,
             seen=durable.copy(),
             durable=durable,
             on_durable=on_durable,
             on_failure=on_failure,
-            next_chunk=0 if last is None else last + 1,
+            next_chunk=standing.next_chunk,
             head_start_s=self._chunk_s * next(self._shares),
-            strides=strides,
+            strides=standing.strides,
         )
         with self._lock:
             known = self._sessions.get(session_id)

@@ -4,12 +4,13 @@ The chunk's `scale` column carries what can be read without its data: the ranges
 it. `stored_ranges` adds them up, which is the whole ledger after a crash.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, Engine, Executable, select
+from sqlalchemy import Connection, Engine, Executable, func, select
 from sqlalchemy.orm import Session
 
 from app.errors import NotFound
@@ -59,15 +60,29 @@ def read_packets_in_order(source: Source, session_id: str, first: int = 0) -> It
         ),
     )
     chunks = sorted(
-        (min(start for start, _ in scale["ranges"]), number)
-        for number, scale in keys
-        if max(stop for _, stop in scale["ranges"]) > first
+        (_lowest(scale), number) for number, scale in keys if max(stop for _, stop in scale["ranges"]) > first
     )
+    yield from _in_order(
+        ((lowest, _read_chunk(source, session_id, number)) for lowest, number in chunks), first
+    )
+
+
+def packets_in_order(chunks: Iterable[EncodedChunk], first: int = 0) -> Iterator[RawPacket]:
+    """Yield the packets of chunks that were read already, from a sequence on, as `read_packets_in_order`."""
+    ordered = sorted(chunks, key=lambda one: _lowest(one.scale))
+    yield from _in_order(((_lowest(one.scale), decode_packets(one)) for one in ordered), first)
+
+
+def _lowest(scale: Mapping[str, Any]) -> int:
+    return min(int(start) for start, _ in scale["ranges"])
+
+
+def _in_order(chunks: Iterable[tuple[int, list[RawPacket]]], first: int) -> Iterator[RawPacket]:
     held: list[tuple[int, int, RawPacket]] = []
-    for lowest, number in chunks:
+    for lowest, packets in chunks:
         while held and held[0][0] < lowest:
             yield heappop(held)[2]
-        for place, packet in enumerate(_read_chunk(source, session_id, number)):
+        for place, packet in enumerate(packets):
             if packet.sequence >= first:
                 heappush(held, (packet.sequence, place, packet))
     while held:
@@ -117,6 +132,35 @@ def strides_of(source: Source, session_id: str) -> dict[str, int]:
     """Return the stride of each result of a session."""
     rows = _fetch(source, select(Result.id, Result.stride).where(Result.session_id == session_id))
     return {str(result_id): int(stride) for result_id, stride in rows}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What is stored of a session's signals, as far as whoever goes on storing must know.
+
+    Attributes
+    ----------
+    durable : SequenceRanges
+        Packets that are committed.
+    next_chunk : int
+        Number of the next chunk of packets.
+    strides : mapping of str to int
+        Of each result.
+    """
+
+    durable: SequenceRanges
+    next_chunk: int
+    strides: Mapping[str, int]
+
+
+def read_standing(source: Source, session_id: str) -> Standing:
+    """Return what is stored of a session's signals."""
+    query = select(func.max(SignalChunk.sequence)).where(
+        SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
+    )
+    ((last,),) = _fetch(source, query)
+    next_chunk = 0 if last is None else last + 1
+    return Standing(stored_ranges(source, session_id), next_chunk, strides_of(source, session_id))
 
 
 def stored_step_s(result: Result) -> float:

@@ -21,6 +21,7 @@ from app.live.session.opening import Place
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled import checkpoints
+from app.scaled.taking_up import read_streamed
 from app.scaled.wire import partition_of
 from app.settings import Settings
 
@@ -109,12 +110,14 @@ class PartitionSessions(LiveManager):
         )
         for session_id in closing:
             await asyncio.to_thread(self._on_closed, session_id)
+        streamed = await asyncio.to_thread(read_streamed, self.engine, open_ones)
         turn, later = asyncio.Semaphore(AT_ONCE), []
 
         async def take_up(stored: StoredSession) -> None:
             async with turn:
                 try:
-                    await self.join(stored, Declaration.from_dict(stored.hello or {}))
+                    declared = Declaration.from_dict(stored.hello or {})
+                    await self.join(stored, declared, streamed=streamed.get(stored.id))
                 except Unavailable as error:
                     logger.warning("session %s is taken up later: %s", stored.id, error.message)
                     later.append(stored.id)

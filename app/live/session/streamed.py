@@ -1,0 +1,45 @@
+"""What is stored of a session that has streamed and moves to another machine."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from app.live.guidance.taken_up import TakenUp
+from app.live.repository import StoredSession
+from app.live.session.checkpoint import Checkpoint
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.store import Standing
+
+
+@dataclass(frozen=True)
+class Streamed:
+    """All that is read to take a session up, read together with that of others; nobody else writes it meanwhile.
+
+    Attributes
+    ----------
+    stored : StoredSession
+        It has a hello and a live result.
+    result_id : str
+        The live result.
+    first_unstored_tick : int
+        Of its frames.
+    standing : Standing
+    checkpoint : Checkpoint or None
+    chunks : sequence of EncodedChunk
+        Those that have packets behind the checkpoint; nothing without one.
+    guided : TakenUp
+        Where its guidance stood.
+    is_prescribed : bool
+        Whether it has a prescription, whose guidance is to be read.
+    """
+
+    stored: StoredSession
+    result_id: str
+    first_unstored_tick: int
+    standing: Standing
+    checkpoint: Checkpoint | None
+    chunks: Sequence[EncodedChunk]
+    guided: TakenUp
+    is_prescribed: bool
+
+
+__all__ = ["Streamed"]
