@@ -203,13 +203,15 @@ class Leases:
 
     async def _reap(self, worker: str) -> None:
         """Free what a worker held that is gone."""
-        leases = self._broker.leases
-        keys = [key for key, one in self._seen.items() if one.value == worker.encode()]
-        for key in (*keys, f"{_WORKER}{worker}"):
-            known = self._seen.get(key)
-            if known is not None:
-                # Somebody else may be faster.
-                await self._ignoring(leases.delete(key, last=known.revision))
+        found = [
+            (key, one.revision)
+            for key, one in self._seen.items()
+            if one.value == worker.encode() or key == f"{_WORKER}{worker}"
+        ]
+        # Somebody else may be faster.
+        await asyncio.gather(
+            *(self._ignoring(self._broker.leases.delete(key, last=revision)) for key, revision in found)
+        )
 
     async def _balance(self) -> None:
         now_s = time.monotonic()

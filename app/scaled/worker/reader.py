@@ -6,6 +6,7 @@ consumer would deliver again what was not acknowledged behind what came later, w
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections import deque
@@ -23,7 +24,10 @@ logger = logging.getLogger(__name__)
 
 HEARTBEAT_S: Final = 0.5
 SILENCE_S: Final = 1.6
-ANSWER_S: Final = 1.0
+ANSWER_S: Final = 5.0
+"""A server that answers, and a process that has no time to hear it, are not to be taken for one that is away."""
+TURN_S: Final = 0.02
+"""So long messages that wait are given out before everything else has its turn."""
 AGAIN_S: Final = 0.2
 
 
@@ -89,14 +93,15 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
             num_replicas=1,
             mem_storage=True,
         )
-        async with asyncio.timeout(ANSWER_S):
-            made = await broker.streams.add_consumer(stream_name(partition), config)
-        name, expected = made.name, 1
+        name, expected = await _add(broker, partition, config), 1
+        turn_s = time.monotonic()
         while True:
             if not messages:
-                came.clear()
-                async with asyncio.timeout(SILENCE_S):
-                    await came.wait()
+                await _more(broker, messages, came)
+                turn_s = time.monotonic()
+            elif time.monotonic() - turn_s > TURN_S:
+                await asyncio.sleep(0)
+                turn_s = time.monotonic()
             message = messages.popleft()
             if message.headers and message.headers.get("Status") == "100":
                 wanted = message.reply or message.headers.get("Nats-Consumer-Stalled")
@@ -117,6 +122,39 @@ async def _read_on(broker: Broker, partition: int, position: int) -> AsyncIterat
         forget()
         await _forget(broker, partition, name)
         await subscription.unsubscribe()
+
+
+async def _add(broker: Broker, partition: int, config: ConsumerConfig) -> str:
+    """Make a consumer and return its name."""
+    async with asyncio.timeout(ANSWER_S) as patience:
+        # A server that was started again does not answer what the one before was asked.
+        forget = broker.on_back(lambda: patience.reschedule(asyncio.get_running_loop().time()))
+        try:
+            made = await broker.streams.add_consumer(stream_name(partition), config)
+        finally:
+            forget()
+    return str(made.name)
+
+
+async def _more(broker: Broker, messages: deque[Msg], came: asyncio.Event) -> None:
+    """Wait until there are messages.
+
+    Raises
+    ------
+    TimeoutError
+        The server is silent.
+    """
+    came.clear()
+    try:
+        async with asyncio.timeout(SILENCE_S):
+            await came.wait()
+    except TimeoutError:
+        # This process may have stood still: what the server sent meanwhile comes before its answer.
+        with contextlib.suppress(nats.errors.Error):
+            async with asyncio.timeout(SILENCE_S):
+                await broker.client.flush()
+        if not messages:
+            raise
 
 
 async def _forget(broker: Broker, partition: int, name: str | None) -> None:
