@@ -11,8 +11,8 @@ from app.live.session.runner import LiveSession
 from estimators.pipelines import SessionSetup
 
 PERIOD_S: Final = 5.0
-"""With every third commit of what came, each two seconds: at most some six seconds are estimated again of a session
-that moves. Estimating one of them again costs four times what a checkpoint does."""
+"""With every third commit of what came, one each two seconds: at most some six seconds are estimated again of a
+session that moves."""
 
 
 @dataclass
