@@ -223,7 +223,7 @@ def report(load: Load, arrivals: Arrivals, memory: Memory, found: tuple[float, f
     print(
         f"load      {2 * arrivals.carried} sessions came, {count} streamed, sent away {len(refusals)} times"
     )
-    print(f"told      {refusals[0].message} Again after {refusals[0].retry_after_s:.0f} s.")
+    print(f"refused   {refusals[0].message} Again after {refusals[0].retry_after_s:.0f} s.")
     print(heading())
     print(row("all that the machine takes, published", during))
     print(row("5 s after half of them have ended", after))
