@@ -5,7 +5,6 @@ calibration is never guessed at, the session is estimated again from its packets
 below `sequence`; those from there on are to be replayed.
 """
 
-import ast
 import json
 import logging
 from collections.abc import Mapping
@@ -38,7 +37,7 @@ class _Packed(msgspec.Struct, array_like=True):
     key: bytes
     clock: tuple[int, int, int]
     arrays: dict[str, tuple[str, tuple[int, ...], bytes]]
-    """Type (as in the head of a `.npy` file, which has the fields of records), shape and numbers."""
+    """Type (as in the head of a `.npy` file, which has the fields of records, in JSON), shape and numbers."""
 
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -165,12 +164,20 @@ def _restore(parts: Parts, state: State) -> None:
 
 @cache
 def _text_of(of_array: np.dtype[Any]) -> str:
-    return repr(np.lib.format.dtype_to_descr(of_array))
+    return json.dumps(np.lib.format.dtype_to_descr(of_array))
 
 
 @cache
 def _type_of(text: str) -> np.dtype[Any]:
-    return np.lib.format.descr_to_dtype(ast.literal_eval(text))
+    # Not by Python's parser: it fails now and then where several threads parse at once.
+    return np.lib.format.descr_to_dtype(_described(json.loads(text)))
+
+
+def _described(found: Any) -> Any:
+    """Return a description with the tuples that JSON has made lists."""
+    if isinstance(found, str):
+        return found
+    return [(name, _described(of), *map(tuple, shape)) for name, of, *shape in found]
 
 
 def _below(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
