@@ -397,8 +397,8 @@ class LiveManager(SteeredSide):
         async with self._opening.setdefault(session_id, asyncio.Lock()):
             if session_id in self._closing:
                 raise Unavailable(say("live.being_analysed"), retry_after_s=5)
-            if session_id not in self._sessions:
-                await asyncio.to_thread(repository.reopen, self.engine, session_id)
+            is_live = session_id in self._sessions
+            if not is_live and await asyncio.to_thread(repository.reopen, self.engine, session_id):
                 # Ends by itself, also where no gateway comes.
                 self._housekeeping.abandoned(session_id)
         self._tell_stored(session_id)

@@ -246,8 +246,8 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
         row.state, row.state_reason = state, reason
 
 
-def reopen(engine: Engine, session_id: str) -> None:
-    """Let a streamed session that has ended take packets again; one that is open stays as it is.
+def reopen(engine: Engine, session_id: str) -> bool:
+    """Let a streamed session that has ended take packets again; False for one that is open, which stays as it is.
 
     What the analysis has found stays, until the next end has it found anew.
 
@@ -263,7 +263,7 @@ def reopen(engine: Engine, session_id: str) -> None:
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
         if row.state in OPEN and row.ended_at is None:
-            return
+            return False
         if row.source != "stream":
             raise Conflict(say("live.closed"), state=row.state)
         if row.state == "closing":
@@ -275,6 +275,7 @@ def reopen(engine: Engine, session_id: str) -> None:
         row.ended_at = None
         row.state, row.state_reason = "created" if row.hello is None else "link_lost", say("live.reopened")
         session.add(SessionEvent(session_id=row.id, kind="state", time_s=duration_s, text=row.state_reason))
+        return True
 
 
 def save_recording(engine: Engine, session_id: str, start_s: float | None, end_s: float | None) -> None:

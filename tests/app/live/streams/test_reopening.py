@@ -8,6 +8,7 @@ from sqlalchemy import Engine, select
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only
 from app.gateway import DeviceStream, stream_of
+from app.live.housekeeping import Housekeeping
 from app.network.packet import PacketFlag, with_flags
 from app.recordings.models import MotionSession
 from app.recordings.signals.store import read_packets
@@ -116,6 +117,19 @@ def test_what_is_closed_without_anything_new_is_not_analysed_again(
     after = therapist.get(f"/api/sessions/{session_id}").json()
     assert [one["id"] for one in after["results"]] == [one["id"] for one in before["results"]]
     assert (after["main_result_id"], after["duration_s"]) == (before["main_result_id"], before["duration_s"])
+
+
+def test_only_one_that_had_ended_ends_where_no_gateway_comes(
+    therapist: Any, world: Any, stream: DeviceStream, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    noted: list[str] = []
+    monkeypatch.setattr(Housekeeping, "abandoned", lambda _, session_id: noted.append(session_id))
+    planned, ended = (new_session(therapist, world.patient_id, stream) for _ in range(2))
+    send(therapist, ended, stream, range(BEFORE), PacketFlag(0))
+    end(therapist, ended)
+    for session_id in (planned, ended):
+        assert therapist.post(f"/api/sessions/{session_id}/reopen").status_code == 200
+    assert noted == [ended]
 
 
 def test_an_upload_is_refused(therapist: Any, world: Any, stream: DeviceStream, engine: Engine) -> None:
