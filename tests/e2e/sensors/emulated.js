@@ -20,6 +20,7 @@
         if (waiting.length > 0 && sample === waiting[0][1]) sample = waiting[0][0];
         // Where a sample came out: what is true of it is known by its place in the recording.
         window.emulated.shift = next - sample;
+        window.emulated.order.push(sample);
         emit(next, sample);
       }
       window.emulated.emitted = next;
@@ -28,13 +29,13 @@
     }, STEP_MS);
   };
 
-  window.emulated = { emitted: 0, first: 0, sample: 0, shift: 0 };
+  window.emulated = { emitted: 0, first: 0, sample: 0, shift: 0, order: [] };
 
-  window.emulatePhone = ({ rateHz, samples, sign = 1 }) => {
+  window.emulatePhone = ({ rateHz, samples, rests, sign = 1 }) => {
     const { first, at } = begin(rateHz);
     window.emulated.first = first;
-    play(samples.length, at, (number) => {
-      const [gx, gy, gz, ax, ay, az] = samples[number];
+    const emit = (number, sample) => {
+      const [gx, gy, gz, ax, ay, az] = samples[sample];
       const event = new DeviceMotionEvent('devicemotion', {
         rotationRate: { alpha: degrees(gx), beta: degrees(gy), gamma: degrees(gz) },
         accelerationIncludingGravity: { x: sign * ax, y: sign * ay, z: sign * az },
@@ -42,7 +43,8 @@
       });
       Object.defineProperty(event, 'timeStamp', { value: at(number) });
       window.dispatchEvent(event);
-    });
+    };
+    play(samples.length, at, emit, rests);
   };
 
   const uuid = (short) => `1517${short}-4947-11e9-8646-d663bd873d93`;

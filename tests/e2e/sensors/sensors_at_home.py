@@ -4,13 +4,14 @@ import io
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import httpx
 import numpy as np
 from numpy.typing import NDArray
+from playwright.sync_api import Page
 
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
 from app.gateway import DeviceStream, GatewayClient, Milestone, ServiceClient
@@ -23,7 +24,9 @@ from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 RATE_HZ = 60.0
 STILL_S = 14.0
-"""The simulated person stands so long: time for a real page to be pressed."""
+"""The simulated person stands so long before the movement."""
+STANDING = (round((STILL_S - 4.0) * RATE_HZ), round((STILL_S - 1.0) * RATE_HZ))
+"""Ticks, first and one past the last, that come again until the page has been pressed, on a busy machine too."""
 EMULATED = Path(__file__).with_name("emulated.js").read_text()
 
 WAITING = """new Promise(done => {
@@ -69,6 +72,12 @@ def wearer(placements: tuple[str, ...], movement_s: float, seed: int = 5, still_
     values = [np.concatenate([one.gyroscope_radps, one.accelerometer_mps2], axis=1) for one in sensors]
     truth = simulated.truth.angle_rad("thorax_humerus_right_yxy_elevation")
     return Wearer(placements, np.stack(values, axis=1), truth)
+
+
+def as_emitted(page: Page, worn: Wearer) -> Wearer:
+    """Return what came out of the emulation, tick by tick, where a rest came again until it was left."""
+    order = np.array(page.evaluate("emulated.order"), dtype=int)
+    return replace(worn, samples=worn.samples[order], elevation_rad=worn.elevation_rad[order])
 
 
 @contextmanager

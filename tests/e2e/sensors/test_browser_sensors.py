@@ -2,15 +2,23 @@
 
 import httpx
 import numpy as np
+from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
 from tests.e2e.conftest import Service, Visitor, apart
 from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay
+from tests.e2e.sensors.evenings import go_on
 
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 MOVEMENT_S = 14.0
 BROKEN_S = 5.0
+
+
+def emulate(page: Page, function: str, samples: NDArray[np.float64]) -> None:
+    """Begin to emit samples, shape (ticks, ...): who wears the sensors stands still until the page has been pressed."""
+    what = {"rateHz": home.RATE_HZ, "samples": samples.round(7).tolist(), "rests": [home.STANDING]}
+    page.evaluate(f"what => {function}(what)", what)
 
 
 def exercise(page: Page, relay: Relay, moves_s: float, broken_s: float) -> None:
@@ -18,6 +26,7 @@ def exercise(page: Page, relay: Relay, moves_s: float, broken_s: float) -> None:
     page.get_by_role("button", name="I am standing still").click()
     page.get_by_role("button", name="Go", exact=True).click()
     expect(page.get_by_test_id("line")).to_be_visible()
+    go_on(page)
     status = page.locator(".sensor-status")
     page.wait_for_timeout(1000 * (moves_s - broken_s) / 2)
     relay.break_link()
@@ -37,11 +46,12 @@ def test_the_phone_stores_every_sample_once_over_a_broken_link(
     page.goto(f"{relay.address}/my/sessions/{session_id}/live")
     page.get_by_role("button", name="This phone").click()
     patient.picture("phone-how-390")
-    page.evaluate("samples => emulatePhone({rateHz: 60, samples})", worn.samples[:, 0].round(7).tolist())
+    emulate(page, "emulatePhone", worn.samples[:, 0])
     page.get_by_role("button", name="Measure with this phone").click()
     exercise(page, relay, MOVEMENT_S, BROKEN_S)
     patient.picture("phone-measuring-390")
-    page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
+    page.wait_for_function("count => emulated.sample === count", arg=len(worn.samples), timeout=60_000)
+    worn = home.as_emitted(page, worn)
     page.get_by_role("button", name="Stop", exact=True).click()
     page.get_by_role("button", name="Finish for today").click()
     expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
@@ -71,11 +81,12 @@ def test_the_phone_stores_every_sample_once_over_a_broken_link(
 def test_bluetooth_sensors_store_every_sample_and_come_back(
     patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
 ) -> None:
-    worn = home.wearer(("upper_arm_right", "forearm_right"), MOVEMENT_S)
+    # Time for a broken link, and for a sensor that is lost and found again.
+    worn = home.wearer(("upper_arm_right", "forearm_right"), MOVEMENT_S + 8.0)
     session_id = home.new_session(therapist, worn.placements)
     page = patient.page
     page.goto(f"{relay.address}/my/sessions/{session_id}/live")
-    page.evaluate("samples => emulateDots({rateHz: 60, samples})", worn.samples.round(7).tolist())
+    emulate(page, "emulateDots", worn.samples)
     page.get_by_role("button", name="Bluetooth sensors").click()
     for place in ("Right upper arm", "Right forearm"):
         page.get_by_role("button", name=f"Connect: {place}").click()
@@ -88,7 +99,8 @@ def test_bluetooth_sensors_store_every_sample_and_come_back(
     patient.picture("dots-lost-390")
     page.evaluate("emulated.dots[1].isAway = false")
     expect(status).not_to_contain_text("lost", timeout=8000)
-    page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
+    page.wait_for_function("count => emulated.sample === count", arg=len(worn.samples), timeout=60_000)
+    worn = home.as_emitted(page, worn)
     page.get_by_role("button", name="Stop", exact=True).click()
     page.get_by_role("button", name="Finish for today").click()
     expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)

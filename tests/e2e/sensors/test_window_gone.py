@@ -33,11 +33,9 @@ def crash(page: Page) -> None:
 
 def begin(page: Page, worn: home.Wearer) -> int:
     """Put the sensors on and begin to move; returns by how many ticks that is later than in the recording."""
-    # Whoever stands still does so until the page has been pressed, on a busy machine too.
-    pose = [round(home.RATE_HZ), round((home.STILL_S - 1.0) * home.RATE_HZ)]
     page.evaluate(
         "one => emulateDots({rateHz: 60, ...one})",
-        {"samples": worn.samples.round(7).tolist(), "rests": [pose]},
+        {"samples": worn.samples.round(7).tolist(), "rests": [home.STANDING]},
     )
     page.get_by_role("button", name="Bluetooth sensors").click()
     for place in ("Right upper arm", "Right forearm"):

@@ -24,6 +24,8 @@ const KEPT_EVENTS = 200;
 export const FRESH_S = 1.5;
 /** The health of the sensors comes once a second: two of them missing, the service is out of reach. */
 export const REACH_S = 2.5;
+/** Who spoke no longer than this after the last frame fell silent with the frames: the sensors are not to blame. */
+const TOGETHER_S = 0.25;
 /** A socket that says nothing for so long is opened anew; a network that went away closes nothing. */
 const GIVE_UP_S = 8;
 const WATCH_MS = 250;
@@ -191,7 +193,9 @@ export class LivePlayer implements Player {
     this.#store.set({ silentSinceS: isSilent ? this.#lastFrameS : null });
     const isOver = state !== null && ['closing', 'analysed', 'failed'].includes(state.state);
     const quietS = nowS - this.#lastWordS;
-    if (!this.#socket.isOpen || health === null || isOver || quietS < REACH_S) return;
+    // Frames and words that end at the same moment: it is the service or the way to it, and no sensor.
+    const endedTogether = isSilent && this.#lastWordS - (this.#lastFrameS ?? 0) < TOGETHER_S;
+    if (!this.#socket.isOpen || health === null || isOver || quietS < (endedTogether ? FRESH_S : REACH_S)) return;
     if (connection === 'open') this.#follow('lost', '');
     if (quietS > GIVE_UP_S) this.#socket.reopen();
   }

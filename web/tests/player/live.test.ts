@@ -224,6 +224,20 @@ describe('what does not come', () => {
     expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
   });
 
+  it('blames the service, not the sensors, where frames and words end at the same moment', async () => {
+    await begin();
+    wait(1.75);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1000 });
+  });
+
+  it('blames the sensors where the service is heard after the last frame', async () => {
+    await begin();
+    wait(0.5);
+    FakeSocket.last.say(health);
+    wait(1.25);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', silentSinceS: 1000 });
+  });
+
   it('says since when, from the moment the service was last heard', async () => {
     await begin();
     wait(1);
