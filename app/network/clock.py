@@ -15,6 +15,7 @@ from typing import Any
 from app.errors import PacketError
 from app.network.declaration import ClockEpoch, Declaration
 from app.network.packet import Packet
+from app.network.raw_packet import RawPacket
 from app.sentences import Sentence, say
 
 MAX_GAP_US = 600_000_000
@@ -81,12 +82,13 @@ class PacketClock:
         """Allow the next new packet to start a new clock: the device may have been switched off."""
         self._is_new_connection = True
 
-    def admit(self, packet: Packet, arrival_s: float | None = None) -> Admitted:
+    def admit(self, packet: Packet | RawPacket, arrival_s: float | None = None) -> Admitted:
         """Find the packet's place.
 
         Parameters
         ----------
-        packet : Packet
+        packet : Packet or RawPacket
+            Its values are not looked at.
         arrival_s : float, optional
             Monotonic server time of arrival.
 
@@ -124,7 +126,9 @@ class PacketClock:
         self._remember(sequence, time_us)
         return Admitted(sequence, time_us, is_duplicate=False)
 
-    def _check_newest(self, packet: Packet, sequence: int, time_us: int, arrival_s: float | None) -> int:
+    def _check_newest(
+        self, packet: Packet | RawPacket, sequence: int, time_us: int, arrival_s: float | None
+    ) -> int:
         if self._highest < 0:
             return time_us
         steps = sequence - self._highest
@@ -159,7 +163,7 @@ class PacketClock:
             )
         return time_us
 
-    def _time_error(self, packet: Packet, reason: str, what: Sentence) -> PacketError:
+    def _time_error(self, packet: Packet | RawPacket, reason: str, what: Sentence) -> PacketError:
         self.time_errors += 1
         return PacketError(
             what,

@@ -1,6 +1,7 @@
 """Taking a session up again after the service was restarted: the stored packets through the same live chain.
 
-With magnetometers the last minute is enough: orientation converges within it. Without them heading is what
+With magnetometers the last minute is enough: orientation converges within it, and of the packets before it only so
+many are looked at as tell how the device's clock has run. Without them heading is what
 was integrated since calibration, so the whole session runs again. Clip levels that the check of the session
 found are in force again from the packets on from which they were.
 
@@ -8,6 +9,7 @@ On many machines a session moves while somebody watches, and no bit may differ: 
 where there is none that fits, its packets are estimated again from the first.
 """
 
+import math
 from collections import deque
 from collections.abc import Sequence
 
@@ -17,11 +19,12 @@ from app.errors import PacketError
 from app.live.session.checkpoint import Checkpoint, resume
 from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
-from app.network.clock import Admitted
+from app.network.clock import Admitted, PacketClock
 from app.network.packet import Packet
+from app.network.raw_packet import RawPacket
 from app.recordings.analysis.offline import decoded
 from app.recordings.signals.chunks import EncodedChunk
-from app.recordings.signals.store import packets_in_order, read_packets_in_order
+from app.recordings.signals.store import packets_in_order, read_before_ending, read_packets_in_order
 from estimators.channels import Channel
 from estimators.recording import ImuChunk
 
@@ -62,6 +65,12 @@ def rebuild(
     is_whole = is_exact or is_resumed or not session.pipeline.begins_anywhere
     again = _Again(session)
     try:
+        if not is_whole:
+            ticks = math.ceil((TAIL_S + 1.0) * session.declaration.rate_hz)
+            first, before = read_before_ending(engine, session.id, ticks, Channel.MAGNETOMETER)
+            if None in [_admitted(session, head) for head in before]:
+                # With a long hole within a chunk its ends do not say how the clock ran.
+                session.now.clock, first = PacketClock(session.now.clock.declaration), 0
         raws = (
             packets_in_order(chunks, first)
             if is_resumed and chunks is not None
@@ -100,7 +109,7 @@ class StoppedError(Exception):
         self.error = error
 
 
-def _admitted(session: LiveSession, packet: Packet) -> Admitted | None:
+def _admitted(session: LiveSession, packet: Packet | RawPacket) -> Admitted | None:
     try:
         return session.clock.admit(packet)
     except PacketError:

@@ -5,7 +5,7 @@ bytes of its payload and every field of its header, so each packet can be made a
 `frames/<result id>` holds what a pipeline found, rounded as `signals.frame_codec` says.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.network.packet import HEADER_BYTES
-from app.network.packet_run import H_ARRIVAL, H_TICKS, HEAD_COLUMNS, PacketRun
+from app.network.packet_run import H_ARRIVAL, H_SEQUENCE, H_TICKS, HEAD_COLUMNS, PacketRun
 from app.network.ranges import SequenceRanges, ranges_of
 from app.network.raw_packet import COUNTS, WIDTH, RawPacket
 from app.recordings.models import SignalChunk
@@ -128,23 +128,54 @@ def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
     heads, table = _heads_and_table(chunk)
     packets: list[RawPacket] = []
     row = 0
-    for sequence, device_time, interval, ticks, flags, arrival in heads.tolist():
-        packets.append(
-            RawPacket(
-                sequence=sequence,
-                device_time_us=device_time % 2**64,
-                tick_interval_us=interval,
-                sensor_count=scale["sensor_count"],
-                tick_count=ticks,
-                channel_mask=scale["channel_mask"],
-                encoding=scale["encoding"],
-                flags=flags,
-                payload=table[row : row + ticks].tobytes(),
-                arrival_ns=arrival,
-            )
-        )
+    for head in heads.tolist():
+        ticks = head[H_TICKS]
+        packets.append(_packet(scale, head, table[row : row + ticks].tobytes()))
         row += ticks
     return packets
+
+
+def outermost_heads(chunk: EncodedChunk) -> list[RawPacket]:
+    """Restore the packets of lowest and highest sequence of a chunk without their payload, which stays compressed.
+
+    Raises
+    ------
+    DamagedChunkError
+        If the checksum does not match.
+    """
+    _check(chunk)
+    heads = _heads(chunk)
+    outermost = {int(np.argmin(heads[:, H_SEQUENCE])), int(np.argmax(heads[:, H_SEQUENCE]))}
+    found = [_packet(chunk.scale, heads[at].tolist(), b"") for at in outermost]
+    return sorted(found, key=attrgetter("sequence"))
+
+
+def _heads(chunk: EncodedChunk) -> NDArray[np.int64]:
+    if chunk.codec != COUNTS_CODEC:
+        return codecs.decode_integers(
+            chunk.data[: chunk.scale.get("head_bytes", 0)], chunk.scale["packets"], HEAD_COLUMNS
+        )
+    heads = np.empty((chunk.scale["packets"], HEAD_COLUMNS), np.int64)
+    words = np.frombuffer(chunk.data, np.uint32, len(chunk.data) // 4).copy()
+    # They stand before the counts; that words are left is right here, and the checksum has been looked at.
+    unpack_packets(words, heads, np.empty((0, 0), np.int16))
+    return heads
+
+
+def _packet(scale: Mapping[str, Any], head: Sequence[int], payload: bytes) -> RawPacket:
+    sequence, device_time, interval, ticks, flags, arrival = head
+    return RawPacket(
+        sequence=sequence,
+        device_time_us=device_time % 2**64,
+        tick_interval_us=interval,
+        sensor_count=scale["sensor_count"],
+        tick_count=ticks,
+        channel_mask=scale["channel_mask"],
+        encoding=scale["encoding"],
+        flags=flags,
+        payload=payload,
+        arrival_ns=arrival,
+    )
 
 
 def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int64], NDArray[Any]]:

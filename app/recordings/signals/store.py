@@ -7,7 +7,8 @@ it. `stored_ranges` adds them up, which is the whole ledger after a crash.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from typing import Any
+from operator import attrgetter
+from typing import Any, Final
 
 import numpy as np
 from sqlalchemy import Connection, Engine, Executable, func, select
@@ -26,12 +27,15 @@ from app.recordings.signals.chunks import (
     frames_stream,
     layout_from_dict,
     merge_frames,
+    outermost_heads,
 )
 from app.recordings.signals.frame_codec import stride_of
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 
 Source = Engine | Connection | Session
+_AT_ONCE: Final = 64
+"""Chunks that are read and held together."""
 
 
 def read_packets(source: Source, session_id: str) -> Iterator[RawPacket]:
@@ -59,12 +63,52 @@ def read_packets_in_order(source: Source, session_id: str, first: int = 0) -> It
             SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
         ),
     )
-    chunks = sorted(
-        (_lowest(scale), number) for number, scale in keys if max(stop for _, stop in scale["ranges"]) > first
-    )
+    chunks = sorted((_lowest(scale), number) for number, scale in keys if _stop(scale) > first)
     yield from _in_order(
         ((lowest, _read_chunk(source, session_id, number)) for lowest, number in chunks), first
     )
+
+
+def read_before_ending(
+    source: Source, session_id: str, ticks: int, channels: int
+) -> tuple[int, list[RawPacket]]:
+    """Return where the end of a session begins, and what of the packets before it counts for the times in it.
+
+    Parameters
+    ----------
+    source, session_id
+    ticks : int
+        So many at least are stored from there on.
+    channels : int
+        Mask; where some packets do not have all of these, the end begins with the first packet.
+
+    Returns
+    -------
+    first : int
+        Sequence.
+    heads : list of RawPacket
+        First and last packet of each chunk below it, by rising sequence, without payload.
+    """
+    stored = _fetch(
+        source,
+        select(SignalChunk.sequence, SignalChunk.scale, SignalChunk.ticks).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
+        ),
+    )
+    chunks = sorted((_lowest(scale), number, scale, count) for number, scale, count in stored)
+    if not all(scale["channel_mask"] & channels == channels for _, _, scale, _ in chunks):
+        return 0, []
+    first = 0
+    for lowest, _, _, count in reversed(chunks):
+        first, ticks = lowest, ticks - count
+        if ticks <= 0:
+            break
+    before = [number for _, number, scale, _ in chunks if _stop(scale) <= first]
+    heads: list[RawPacket] = []
+    for start in range(0, len(before), _AT_ONCE):
+        for one in _read_encoded(source, session_id, before[start : start + _AT_ONCE]):
+            heads += outermost_heads(one)
+    return first, sorted(heads, key=attrgetter("sequence"))
 
 
 def packets_in_order(chunks: Iterable[EncodedChunk], first: int = 0) -> Iterator[RawPacket]:
@@ -75,6 +119,10 @@ def packets_in_order(chunks: Iterable[EncodedChunk], first: int = 0) -> Iterator
 
 def _lowest(scale: Mapping[str, Any]) -> int:
     return min(int(start) for start, _ in scale["ranges"])
+
+
+def _stop(scale: Mapping[str, Any]) -> int:
+    return max(int(stop) for _, stop in scale["ranges"])
 
 
 def _in_order(chunks: Iterable[tuple[int, list[RawPacket]]], first: int) -> Iterator[RawPacket]:
@@ -90,7 +138,12 @@ def _in_order(chunks: Iterable[tuple[int, list[RawPacket]]], first: int) -> Iter
 
 
 def _read_chunk(source: Source, session_id: str, number: int) -> list[RawPacket]:
-    (row,) = _fetch(
+    (chunk,) = _read_encoded(source, session_id, [number])
+    return decode_packets(chunk)
+
+
+def _read_encoded(source: Source, session_id: str, numbers: Sequence[int]) -> list[EncodedChunk]:
+    rows = _fetch(
         source,
         select(
             SignalChunk.start_ns,
@@ -102,10 +155,10 @@ def _read_chunk(source: Source, session_id: str, number: int) -> list[RawPacket]
         ).where(
             SignalChunk.session_id == session_id,
             SignalChunk.stream == RAW_STREAM,
-            SignalChunk.sequence == number,
+            SignalChunk.sequence.in_(numbers),
         ),
     )
-    return decode_packets(EncodedChunk(*row))
+    return [EncodedChunk(*row) for row in rows]
 
 
 def _fetch(source: Source, query: Executable) -> Sequence[Any]:
