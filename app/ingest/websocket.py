@@ -114,7 +114,8 @@ class IngestConnection:
             intake = await self._hello()
         except (TelemotionError, TimeoutError) as error:
             if isinstance(error, TimeoutError):
-                error = InvalidInput(say("hello.timeout", seconds=HELLO_TIMEOUT_S))
+                # Passes: who was too busy to say hello tries again, a gateway would end at invalid input.
+                error = Unavailable(say("hello.timeout", seconds=HELLO_TIMEOUT_S), retry_after_s=1)
             await self._end(error)
             return
         try:

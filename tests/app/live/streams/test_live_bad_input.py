@@ -128,6 +128,22 @@ def test_a_wrong_hello_ends_the_connection_with_words(
     asyncio.run(run())
 
 
+def test_who_is_too_busy_to_say_hello_is_asked_to_come_again(
+    signed_in: SignedIn, world: Any, stream: DeviceStream, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ingest_websocket, "HELLO_TIMEOUT_S", 0.2)
+
+    async def run() -> None:
+        async with await signed_in() as client, connect(client.ingest_url, proxy=None) as socket:
+            answer = json.loads(await socket.recv())
+            # A gateway ends at invalid input; this one it tries again, with a new ticket.
+            assert answer["code"] == "unavailable"
+            assert answer["closing"] is True
+            assert answer["details"]["retry_after_s"] == 1
+
+    asyncio.run(run())
+
+
 def test_other_sensors_in_a_later_hello_are_refused(
     signed_in: SignedIn, world: Any, stream: DeviceStream
 ) -> None:
