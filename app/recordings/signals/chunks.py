@@ -150,18 +150,6 @@ def outermost_heads(chunk: EncodedChunk) -> list[RawPacket]:
     return sorted(found, key=attrgetter("sequence"))
 
 
-def _heads(chunk: EncodedChunk) -> NDArray[np.int64]:
-    if chunk.codec != COUNTS_CODEC:
-        return codecs.decode_integers(
-            chunk.data[: chunk.scale.get("head_bytes", 0)], chunk.scale["packets"], HEAD_COLUMNS
-        )
-    heads = np.empty((chunk.scale["packets"], HEAD_COLUMNS), np.int64)
-    words = np.frombuffer(chunk.data, np.uint32, len(chunk.data) // 4).copy()
-    # They stand before the counts; that words are left is right here, and the checksum has been looked at.
-    unpack_packets(words, heads, np.empty((0, 0), np.int16))
-    return heads
-
-
 def _packet(scale: Mapping[str, Any], head: Sequence[int], payload: bytes) -> RawPacket:
     sequence, device_time, interval, ticks, flags, arrival = head
     return RawPacket(
@@ -182,9 +170,9 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
     scale, data = chunk.scale, chunk.data
     shape = chunk.ticks, scale["values_per_tick"]
     if chunk.codec == COUNTS_CODEC:
-        heads, counts = np.empty((scale["packets"], HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
-        words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
-        if len(data) % 4 or not unpack_packets(words, heads, counts):
+        counts = np.empty(shape, np.int16)
+        heads, is_whole = _unpacked(chunk, counts)
+        if len(data) % 4 or not is_whole:
             raise codecs.DamagedChunkError(say("stored.cut_off"))
         return heads, counts
     split = scale.get("head_bytes", 0)
@@ -195,6 +183,20 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
     else:
         raise codecs.DamagedChunkError(say("stored.codec", codec=chunk.codec))
     return codecs.decode_integers(data[:split], scale["packets"], HEAD_COLUMNS), table
+
+
+def _heads(chunk: EncodedChunk) -> NDArray[np.int64]:
+    """Return the heads of a sound chunk; they stand before the counts, which are not looked at."""
+    if chunk.codec != COUNTS_CODEC:
+        return _heads_and_table(chunk)[0]
+    return _unpacked(chunk, np.empty((0, 0), np.int16))[0]
+
+
+def _unpacked(chunk: EncodedChunk | SignalChunk, counts: NDArray[np.int16]) -> tuple[NDArray[np.int64], bool]:
+    """Read heads and so many counts as fit; also returns whether nothing is left."""
+    heads = np.empty((chunk.scale["packets"], HEAD_COLUMNS), np.int64)
+    words = np.frombuffer(chunk.data, np.uint32, len(chunk.data) // 4).copy()
+    return heads, bool(unpack_packets(words, heads, counts))
 
 
 def _check(chunk: EncodedChunk | SignalChunk) -> None:

@@ -25,6 +25,8 @@ SECONDS, TAIL_S = 40.0, 8.0
 CHUNK_PACKETS = 100
 
 Read = Callable[..., tuple[int, list[RawPacket]]]
+READ: Read = rebuild.read_before_ending
+DECODED = rebuild.decoded
 
 
 def every_packet(*_: object) -> tuple[int, list[RawPacket]]:
@@ -38,9 +40,6 @@ def with_a_hole(*what: Any) -> tuple[int, list[RawPacket]]:
         heads[0],
         *(replace(one, device_time_us=one.device_time_us + 1_200_000_000) for one in heads[1:]),
     ]
-
-
-READ: Read = rebuild.read_before_ending
 
 
 async def taken_up(
@@ -75,9 +74,6 @@ async def taken_up(
             one.end_checks()
             await asyncio.to_thread(one._check_process.close)
             await asyncio.to_thread(one.writer.close)
-
-
-DECODED = rebuild.decoded
 
 
 @pytest.mark.slow
