@@ -89,11 +89,15 @@ api-test: $(VENV)/installed web/node_modules/installed
 # What needs no Python first: it runs while the packages come.
 checks: web-test lint types api-test web/dist/index.html browser
 
+# Many tests start whole services, two at once. One that failed beside another runs again, named and alone, and that decides.
+decided = status=0; $(BIN)/python -m pytest $(1) || status=$$?; [ $$status = 0 ] || { [ $$status = 1 ] && \
+	echo "Failed beside others; alone:" && $(BIN)/python -m pytest $(1) -n 0 -vv --last-failed --maxfail=1; }
+
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
-	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15
-	@$(BIN)/python -m pytest -m e2e $(TWO_AT_ONCE)
+	@$(call decided,-m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15)
+	@$(call decided,-m e2e $(TWO_AT_ONCE))
 
 # Apart from `make test`: following every branch makes the tests take three quarters longer.
 coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser

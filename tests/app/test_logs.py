@@ -25,6 +25,7 @@ from app.errors import Conflict
 from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession
 from tests.app.database.test_writer_lock import free_port, wait_until_up
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).resolve().parents[2]
 SECRETS = ("Ada", "Lindqvist", "therapist@", "stranger@", "a long enough password", "wrong-horse")
@@ -206,7 +207,7 @@ def test_a_real_service_writes_nothing_but_lines_and_no_names(settings, world, t
             assert client.get(f"/ws/live/{world.patient_id}?ticket=Lindqvist").status_code == 404
     finally:
         running.send_signal(signal.SIGTERM)
-        written, _ = running.communicate(timeout=30)
+        written, _ = running.communicate(timeout=PATIENCE_S)
     found = [json.loads(line) for line in written.splitlines()]
     assert said(found, "telemotion.service", "is open at")
     assert said(found, "telemotion.service", "service is closed")

@@ -16,7 +16,7 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from app.commands.simulation.arm import Options, stream
 from app.database import engine as engines
@@ -25,6 +25,7 @@ from app.demo import history
 from app.demo.dating import date_back
 from app.demo.people import ADMINISTRATOR, PASSWORD, PATIENTS, THERAPIST, seed_people
 from app.gateway import ServiceClient
+from tests.patience import PATIENCE_MS, PATIENCE_S
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / "var" / "pictures"
@@ -47,7 +48,6 @@ FLAGS = [
     "--disable-accelerated-2d-canvas",
     "--disable-gpu-rasterization",
 ]
-START_TIMEOUT_S = 90.0
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def serving(folder: Path, base_url: str | None = None) -> Iterator[Service]:
     finally:
         server.send_signal(signal.SIGCONT)
         server.terminate()
-        server.wait(timeout=30)
+        server.wait(PATIENCE_S)
         engine.dispose()
 
 
@@ -126,7 +126,7 @@ def apart(work: Coroutine[Any, Any, Any]) -> Any:
 
 
 def wait_until_up(address: str, server: "subprocess.Popen[bytes]") -> None:
-    deadline = time.monotonic() + START_TIMEOUT_S
+    deadline = time.monotonic() + PATIENCE_S
     while True:
         assert server.poll() is None, "the service ended"
         assert time.monotonic() < deadline, "the service does not answer"
@@ -172,6 +172,7 @@ async def furnish(address: str, engine: engines.Engine) -> House:
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Browser]:
     assert CHROMIUM, "no Chromium here; `make test` installs it, or set CHROMIUM to its path"
+    expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield browser
@@ -185,7 +186,7 @@ class Visitor:
         self.page = page
         self.address = address
         self.faults: list[str] = []
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(PATIENCE_MS)
         page.on("pageerror", lambda error: self.faults.append(str(error)))
 
     def sign_in(self, email: str) -> None:

@@ -11,6 +11,7 @@ from app.gateway import ServiceClient
 from tests.e2e.conftest import House, Visitor, apart
 from tests.e2e.sensors.clinic_gateway import PACE, Gateway
 from tests.e2e.test_pages import serious, settle
+from tests.patience import PATIENCE_S
 
 
 def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: House) -> None:
@@ -35,7 +36,7 @@ def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: H
     gateway = Gateway(house.address, session_id, placements)
     gateway.start()
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    expect(page.get_by_role("button", name="Start recording")).to_be_enabled(timeout=60_000)
+    expect(page.get_by_role("button", name="Start recording")).to_be_enabled()
     visitor.picture("live-ready-1440")
     page.get_by_role("button", name="Start recording").click()
     page.get_by_role("button", name="Stop recording").wait_for()
@@ -48,15 +49,15 @@ def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: H
     assert serious(visitor) == []
     page.wait_for_timeout(max(0.0, 1000 * (gateway.began + gateway.done_s / PACE + 5.0 - time.monotonic())))
     page.get_by_role("button", name="Stop recording").click()
-    gateway.join(timeout=60)
+    gateway.join(PATIENCE_S)
     assert gateway.error is None
     page.get_by_role("button", name="End session").click()
     page.get_by_role("dialog").get_by_role("button", name="End session").click()
-    page.get_by_role("link", name="Replay and compare").first.click(timeout=90_000)
+    page.get_by_role("link", name="Replay and compare").first.click()
 
     page.wait_for_url(f"**/sessions/{session_id}")
     settle(visitor)
-    expect(page.get_by_text("3 repetitions compared with")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text("3 repetitions compared with")).to_be_visible()
     position = page.get_by_role("slider").first
     page.get_by_role("button", name="Show repetition 2").first.click()
     page.wait_for_timeout(500)
@@ -78,28 +79,28 @@ def test_guided_calibration(visitor: Visitor, house: House) -> None:
     session_id = new_session(house, placements)
     Gateway(house.address, session_id, placements, pose_s=240.0).start()
     page.goto(f"{house.address}/sessions/{session_id}/live")
-    page.get_by_role("heading", name="Hold the pose").wait_for(timeout=60_000)
+    page.get_by_role("heading", name="Hold the pose").wait_for()
     page.get_by_text("The patient cannot stand like this").click()
     page.get_by_role("radio", name=re.compile("By movement")).check()
     visitor.picture("calibration-choice-1440")
     assert serious(visitor) == []
     page.get_by_role("button", name="Begin").first.click()
     # The rest ends by itself after three still seconds; then a person says when each movement is done.
-    page.get_by_role("heading", name="Bend the elbow").wait_for(timeout=30_000)
+    page.get_by_role("heading", name="Bend the elbow").wait_for()
     visitor.picture("calibration-movement-1440")
     assert serious(visitor) == []
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.get_by_role("heading", name=re.compile(r"calibration \(\d+ of 100\)")).wait_for(timeout=30_000)
+    page.get_by_role("heading", name=re.compile(r"calibration \(\d+ of 100\)")).wait_for()
     visitor.picture("calibration-result-1440")
     page.get_by_role("button", name="Continue").click()
     page.get_by_role("button", name="Reset the direction: Right arm").click()
     page.get_by_role("heading", name="Let the arms hang").wait_for()
-    page.get_by_role("button", name="Continue").click(timeout=30_000)
+    page.get_by_role("button", name="Continue").click()
     expect(page.get_by_role("button", name="Start recording")).to_be_enabled()
     page.get_by_role("button", name="End session").click()
     page.get_by_role("dialog").get_by_role("button", name="End session").click()
-    page.get_by_role("heading", name=re.compile("The session is")).wait_for(timeout=30_000)
+    page.get_by_role("heading", name=re.compile("The session is")).wait_for()
     assert visitor.faults_outside_the_view() == []
 
 
@@ -139,7 +140,7 @@ def test_a_template_from_a_stored_recording(visitor: Visitor, house: House) -> N
     assert serious(visitor) == []
     page.get_by_label("Name", exact=True).fill("Reach, second take")
     page.get_by_role("button", name="Save template").click()
-    expect(page.get_by_text("Reach, second take").first).to_be_visible(timeout=20_000)
+    expect(page.get_by_text("Reach, second take").first).to_be_visible()
     assert visitor.faults_outside_the_view() == []
 
 

@@ -24,6 +24,7 @@ from app.patients.models import Grant, Patient
 from app.settings import Settings
 from app.viewer.service import Viewer
 from tests.app.viewer.stored_reaches import Recorded, compared_reaches, store
+from tests.patience import PATIENCE_S
 
 
 @dataclass
@@ -58,7 +59,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     )
     thread = threading.Thread(target=server.run, daemon=True)
     thread.start()
-    deadline = time.monotonic() + 90.0
+    deadline = time.monotonic() + PATIENCE_S
     while not server.started:
         assert thread.is_alive()
         assert time.monotonic() < deadline
@@ -85,7 +86,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
         token, row = create_sign_in(session, settings, account.id, "tests")
     yield Running(settings.base_url, token, row.csrf_token, recorded, services)
     server.should_exit = True
-    thread.join(timeout=30)
+    thread.join(PATIENCE_S)
     assert not thread.is_alive()
 
 
@@ -131,7 +132,7 @@ def picture(page: Page) -> np.ndarray | None:
     return None if found is None else np.array(found, dtype=float).reshape(70, 70, 4)
 
 
-def drawn(page: Page, timeout_s: float = 60.0) -> np.ndarray:
+def drawn(page: Page, timeout_s: float = PATIENCE_S) -> np.ndarray:
     """Wait until the figure stands in the picture and holds still."""
     deadline, last = time.monotonic() + timeout_s, None
     while time.monotonic() < deadline:
@@ -211,7 +212,7 @@ def test_losing_the_right_ends_the_picture(page: Page, running: Running) -> None
     try:
         with unit_of_work(running.services.engine) as session:
             session.query(Grant).update({"level": "none"})
-        deadline = time.monotonic() + 10.0
+        deadline = time.monotonic() + PATIENCE_S
         while not closed and time.monotonic() < deadline:
             page.wait_for_timeout(200)
         assert closed

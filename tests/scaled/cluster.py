@@ -20,10 +20,10 @@ from tests.app.serving import free_port
 from tests.benchmarks.service import EMAIL as EMAIL
 from tests.benchmarks.service import PASSWORD as PASSWORD
 from tests.benchmarks.service import ROOT, SECRET, add_clinic, add_patient, compile_usual, environment_of
+from tests.patience import PATIENCE_S
 from tests.scaled.tls.certificates import Authority
 
 SERVER = shutil.which("nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-PATIENCE_S = 300.0
 
 
 class Cluster:
@@ -163,7 +163,7 @@ class Cluster:
                 process.send_signal(signal.SIGCONT)
                 process.terminate()
             try:
-                process.wait(20)
+                process.wait(60)
             except subprocess.TimeoutExpired:
                 print(f"{name} did not end", file=sys.stderr)
                 process.kill()

@@ -9,6 +9,7 @@ import psutil
 import pytest
 
 from app.database.base import new_id
+from tests.patience import PATIENCE_S
 
 
 class Database:
@@ -48,7 +49,7 @@ class Database:
 
     def start(self) -> None:
         """Start the server again on what it left; returns when it takes connections."""
-        until = time.monotonic() + 30.0
+        until = time.monotonic() + PATIENCE_S
         while True:
             try:
                 self._server.ensure_postgres_running()

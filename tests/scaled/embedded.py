@@ -7,6 +7,7 @@ from app.gateway import DeviceStream, GatewayClient, ServiceClient
 from tests.app.serving import free_port
 from tests.benchmarks.crash import Session
 from tests.benchmarks.service import EMAIL, PASSWORD, ROOMY, make_patient, open_sessions, start_server
+from tests.patience import PATIENCE_S
 from tests.scaled.streaming import Roving
 
 PACE = 8.0
@@ -48,4 +49,4 @@ def embedded_shown(
         return asyncio.run(_shown(port, patient_id, stream, sent))
     finally:
         process.terminate()
-        process.wait(60)
+        process.wait(PATIENCE_S)

@@ -12,6 +12,7 @@ from pathlib import Path
 from app.gateway import DeviceStream, ServiceClient
 from tests.app.live.live_load import swaying
 from tests.benchmarks.service import open_sessions
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.database import Database
 from tests.scaled.streaming import Roving, Stored, check_stored, shown_again
@@ -20,7 +21,6 @@ from tests.scaled.tls.front import by_tls
 
 AWAY_S = 1.0
 """So long a broker or a database is not there before it is started again."""
-STORED_WITHIN_S = 240.0
 
 
 Calibration = dict[str, object]
@@ -107,10 +107,10 @@ class Run:
         """End the streams, wait until everything is stored, and count it."""
         for one in self.sessions:
             one.is_over = True
-        async with asyncio.timeout(STORED_WITHIN_S):
+        async with asyncio.timeout(PATIENCE_S):
             while any(not one.is_settled for one in self.sessions):  # noqa: ASYNC110
                 await asyncio.sleep(0.1)
-        until_s = time.monotonic() + STORED_WITHIN_S
+        until_s = time.monotonic() + PATIENCE_S
         while True:
             found = await asyncio.to_thread(check_stored, self.cluster.url, self.sessions)
             if found.stored >= found.sent or time.monotonic() > until_s:
@@ -149,7 +149,7 @@ async def streaming(
         tasks = [asyncio.create_task(one.look_on()) for one in sessions]
         tasks += [asyncio.create_task(one.send()) for one in sessions]
         try:
-            async with asyncio.timeout(STORED_WITHIN_S):
+            async with asyncio.timeout(PATIENCE_S):
                 await asyncio.gather(*(one.newer_than(-1) for one in sessions))
             yield Run(cluster, database, sessions)
         finally:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from app.gateway import DeviceStream
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import Cluster
 from tests.scaled.database import Database
 from tests.scaled.killing import Calibration, streaming, whole_service
@@ -19,7 +20,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.postgres]
 
 SESSIONS = 3
 BETWEEN_S = 2.0
-SHOWN_WITHIN_S = 20.0
+SHOWN_WITHIN_S = 90.0
 """Of a kill; tests share their machine. What is asked for is measured by the benchmark."""
 
 Started = tuple[Cluster, Database, DeviceStream, Calibration]
@@ -65,7 +66,7 @@ def test_a_session_that_is_closed_while_its_gateway_sends_has_all_that_was_ackno
             for one in going.sessions:
                 one.is_over = True
             for one in going.sessions:
-                await one.client.wait_for_state(one.id, "analysed", timeout_s=120.0)
+                await one.client.wait_for_state(one.id, "analysed", timeout_s=PATIENCE_S)
             stored = [set(one.stored(cluster.url)) for one in going.sessions]
         for one, found in zip(going.sessions, stored, strict=True):
             acknowledged = set(range(one.gateway.report.acknowledged + 1))

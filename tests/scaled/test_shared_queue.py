@@ -19,6 +19,7 @@ from app.recordings.analysis.jobs import JobContext, JobDone, JobRunner, run_job
 from app.recordings.models import Job, MotionSession
 from app.settings import Settings
 from tests.app.conftest import BASE_URL, build_world
+from tests.patience import PATIENCE_S
 
 pytestmark = pytest.mark.postgres
 
@@ -81,7 +82,7 @@ class Queue:
             return {job.id: job for job in session.scalars(select(Job))}
 
     def until(self, condition: Callable[[], bool]) -> None:
-        deadline_s = time.monotonic() + 120.0
+        deadline_s = time.monotonic() + PATIENCE_S
         while not condition():
             assert time.monotonic() < deadline_s, {one.id: one.status for one in self.rows().values()}
             time.sleep(0.05)
@@ -147,7 +148,7 @@ def test_one_of_two_that_take_a_task_at_the_same_moment_runs_it(queue: Queue) ->
     begun, found = threading.Barrier(2), []
 
     def take() -> None:
-        begun.wait(10.0)
+        begun.wait(PATIENCE_S)
         found.append(run_job(queue.engine, queue.settings, job_id, well))
 
     threads = [threading.Thread(target=take) for _ in range(2)]

@@ -9,8 +9,9 @@ from sqlalchemy import select
 from app.database.engine import create_from_url
 from app.live.session import checkpoint
 from app.scaled.models import LiveCheckpoint
+from tests.patience import PATIENCE_S
 from tests.scaled.embedded import embedded_shown
-from tests.scaled.killing import STORED_WITHIN_S, streaming, whole_service
+from tests.scaled.killing import streaming, whole_service
 from tests.scaled.upgrading import VERSION, Upgrade, parts_of, upgrade, version_of
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
@@ -29,7 +30,7 @@ def layouts(url: str) -> list[int]:
 
 
 async def until_noted(url: str, layout: int) -> None:
-    async with asyncio.timeout(STORED_WITHIN_S):
+    async with asyncio.timeout(PATIENCE_S):
         while await asyncio.to_thread(layouts, url) != [layout] * SESSIONS:  # noqa: ASYNC110
             await asyncio.sleep(0.5)
 

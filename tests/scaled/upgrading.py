@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import httpx
 
-from tests.scaled.cluster import PATIENCE_S, Cluster
+from tests.patience import PATIENCE_S
+from tests.scaled.cluster import Cluster
 from tests.scaled.killing import Run
 from tests.scaled.streaming import shown_again
 

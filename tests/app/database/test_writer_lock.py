@@ -19,9 +19,9 @@ from app.database.engine import create_from_url
 from app.database.writer_lock import DatabaseInUse, writer_lock
 from app.errors import InvalidInput, Unavailable
 from app.main import create_app
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).resolve().parents[3]
-START_TIMEOUT_S = 90.0
 
 
 def free_port() -> int:
@@ -58,12 +58,12 @@ class Command:
     def end(self, *words: str) -> tuple[int, str]:
         """Run to its end; returns exit code and everything it said."""
         process = self.start(*words)
-        said, _ = process.communicate(timeout=60)
+        said, _ = process.communicate(timeout=PATIENCE_S)
         return process.returncode, said
 
 
 def wait_until_up(port: int, process: "subprocess.Popen[str]") -> None:
-    deadline = time.monotonic() + START_TIMEOUT_S
+    deadline = time.monotonic() + PATIENCE_S
     while True:
         assert process.poll() is None, process.stdout and process.stdout.read()
         assert time.monotonic() < deadline
@@ -105,7 +105,7 @@ def test_the_second_is_refused_by_name_and_death_frees_the_lock(url):
         with pytest.raises(DatabaseInUse, match=f"process {holder.pid}"):
             second.take()
         holder.kill()
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + PATIENCE_S
     while second.trouble() is not None:
         assert time.monotonic() < deadline, "the lock outlived its process"
     second.release()
@@ -245,7 +245,7 @@ def test_two_services_on_one_database(url, tmp_path):
         assert httpx.get(f"http://127.0.0.1:{first.port}/api/health", trust_env=False).is_success
     finally:
         running.send_signal(signal.SIGTERM)
-        said, _ = running.communicate(timeout=30)
+        said, _ = running.communicate(timeout=PATIENCE_S)
     assert "Traceback" not in said
     second = Command(url, tmp_path)
     running = second.start("serve", "--port", str(second.port))

@@ -11,6 +11,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from app.network.lean_sockets import LeanSocket, lean_socket
 from tests.app.serving import free_port, serving
+from tests.patience import PATIENCE_S
 
 
 class Reader:
@@ -63,7 +64,7 @@ class Application:
 def served() -> Iterator[tuple[Application, socket.socket]]:
     application, port = Application(), free_port()
     with serving(application, port, ws=LeanSocket, lifespan="off"):
-        connection = socket.create_connection(("127.0.0.1", port), timeout=20)
+        connection = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection.sendall(
             f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -91,7 +92,7 @@ def begin(connection: socket.socket, pause_s: float) -> None:
 
 
 def until(is_met: Any) -> None:
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while not is_met():
         assert time.monotonic() < deadline
         time.sleep(0.01)

@@ -20,6 +20,7 @@ from app.recordings.models import MotionSession
 from app.settings import Settings
 from tests.app.ingest.uploads import declare
 from tests.app.readers.odd_tables import odd_tables
+from tests.patience import PATIENCE_S
 
 MIB = 1 << 20
 
@@ -119,7 +120,7 @@ def test_two_gigabytes_are_refused_by_their_announced_length(
 def test_the_running_service_takes_an_upload_to_its_end(therapist: Any, world: Any, log: Path) -> None:
     """The whole way through the real worker process."""
     job = post(therapist, declare(world).model_dump(mode="json"), log.read_bytes()).json()
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + PATIENCE_S
     while therapist.get(f"/api/sessions/{job['session_id']}").json()["state"] == "closing":
         assert time.monotonic() < deadline
         time.sleep(0.2)

@@ -19,6 +19,7 @@ from app.database.engine import create_from_url
 from app.gateway import DeviceStream, ServiceClient, stream_of
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.patience import PATIENCE_S
 
 PASSWORD = "a long enough password"
 """Of everybody in `world`."""
@@ -70,7 +71,7 @@ class ServerProcess:
                 stderr=log,
                 start_new_session=True,
             )
-        deadline = time.monotonic() + 90
+        deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline:
             assert self.process.poll() is None, self._log.read_text()
             try:
@@ -84,7 +85,7 @@ class ServerProcess:
         """SIGKILL, the worker process for long tasks included."""
         if self.process is not None:
             os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.wait(10)
+            self.process.wait(PATIENCE_S)
             self.process = None
 
     def log(self) -> str:

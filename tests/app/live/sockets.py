@@ -10,11 +10,10 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from app.gateway import DeviceStream, ServiceClient
 from app.recordings.schemas import SessionIn
+from tests.patience import PATIENCE_S
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
 Message = dict[str, Any]
-PREPARING_S = 120.0
-"""Where much else runs, kernels load later than a gateway waits."""
 
 
 async def new_session(client: ServiceClient, patient_id: str, stream: DeviceStream) -> str:
@@ -27,7 +26,7 @@ async def gateway(
     client: ServiceClient, session_id: str, stream: DeviceStream
 ) -> AsyncIterator[ClientConnection]:
     """A connection after its hello was acknowledged; it comes again while the service is being prepared."""
-    async with contextlib.AsyncExitStack() as stack, asyncio.timeout(PREPARING_S) as patience:
+    async with contextlib.AsyncExitStack() as stack, asyncio.timeout(PATIENCE_S) as patience:
         while True:
             socket = await stack.enter_async_context(connect(client.ingest_url, proxy=None))
             hello = stream.hello(await client.ticket(session_id))
@@ -41,7 +40,7 @@ async def gateway(
 
 
 async def until(
-    socket: ClientConnection, wanted: Callable[[Message], bool], timeout_s: float = 20.0
+    socket: ClientConnection, wanted: Callable[[Message], bool], timeout_s: float = PATIENCE_S
 ) -> Message:
     """Read until a JSON message is wanted."""
     async with asyncio.timeout(timeout_s):

@@ -6,6 +6,7 @@ from functools import partial
 from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
 from estimators.simulation.standing import Lean, Stance, StandingPerson, simulate_standing
+from tests.patience import PATIENCE_S
 
 TRIALS: Sequence[tuple[str, Stance | Lean]] = (
     ("eyes_open_firm", Stance(30.0)),
@@ -31,7 +32,7 @@ async def stream_balance_test(client: ServiceClient, session_id: str, *, pace: f
         await client.steer(session_id, "calibrate")
 
     async def record() -> None:
-        await client.wait_for_state(session_id, "ready")
+        await client.wait_for_state(session_id, "ready", timeout_s=PATIENCE_S)
         await client.steer(session_id, "record")
 
     async def mark(label: str) -> None:
@@ -41,5 +42,5 @@ async def stream_balance_test(client: ServiceClient, session_id: str, *, pace: f
     for (label, _), (start_s, end_s) in zip(TRIALS, person.trials_s, strict=True):
         milestones += [Milestone(start_s, partial(mark, label)), Milestone(end_s, partial(mark, "rest"))]
     await gateway.run(device.deliveries(device.plan()), milestones=milestones)
-    await client.wait_for_state(session_id, "analysed", timeout_s=300.0)
+    await client.wait_for_state(session_id, "analysed", timeout_s=PATIENCE_S)
     return person

@@ -26,6 +26,7 @@ from estimators import orientation, rotation
 from estimators.errors import CalibrationError
 from estimators.orientation import DeviceConstants
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.patience import PATIENCE_S
 
 ARM = ("sternum", "upper_arm_right", "forearm_right")
 
@@ -332,7 +333,7 @@ def run_until(engine: Engine, settings: Settings, handler: Any, session_id: str,
     runner.subscribe(done.append)
     runner.start()
     # A worker imports for seconds, four times here, and more on a busy machine.
-    deadline = time.monotonic() + 240
+    deadline = time.monotonic() + PATIENCE_S
     while len(done) < count and time.monotonic() < deadline:
         time.sleep(0.02)
     runner.stop()
@@ -374,7 +375,7 @@ def test_a_task_in_progress_is_taken_up_after_a_restart(
     job_id = queue(engine, session_id)
     runner = JobRunner(engine, settings, {"reprocess": sleep_long})
     runner.start()
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_S
     status = ""
     while status != "running" and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -393,7 +394,7 @@ def test_an_unknown_kind_of_task_fails_in_words(engine: Engine, settings: Settin
     job_id = queue(engine, new_session())
     runner = JobRunner(engine, settings, {})
     runner.start()
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     status = "queued"
     while status == "queued" and time.monotonic() < deadline:
         time.sleep(0.05)

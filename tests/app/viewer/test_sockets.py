@@ -21,6 +21,7 @@ from app.patients.models import Grant
 from app.viewer import wire
 from app.viewer.service import Viewer
 from estimators.pipelines import Frames
+from tests.patience import PATIENCE_S
 
 CAMERA = msgspec.msgpack.encode(
     {
@@ -161,7 +162,7 @@ def test_only_camera_poses_reach_viser(therapist, open_view, services, monkeypat
         socket.send_bytes(b"\x00\xff noise")
         socket.send_text("text is not spoken here")
         socket.send_bytes(CAMERA)
-        deadline = time.monotonic() + 5.0
+        deadline = time.monotonic() + PATIENCE_S
         while not arrived and time.monotonic() < deadline:
             time.sleep(0.01)
     assert set(arrived) == {"ViewerCameraMessage"}
@@ -298,7 +299,7 @@ def test_an_unwatched_scene_is_taken_down_and_comes_back(therapist, open_view, s
         until(page, of_type("ReplayDoneMessage"))
         nobody.portal.call(services.get(Viewer)._sweep, 0.0)
         assert services.get(Viewer).stage_count == 1
-    deadline = time.monotonic() + 5.0
+    deadline = time.monotonic() + PATIENCE_S
     while services.get(Viewer).stage_count and time.monotonic() < deadline:
         nobody.portal.call(services.get(Viewer)._sweep, 0.0)
     assert services.get(Viewer).stage_count == 0

@@ -9,6 +9,7 @@ from typing import Final
 from app.demo.people import PASSWORD, THERAPIST
 from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
 from estimators.simulation import ArmScenario, demonstration_scenario, simulate_arm
+from tests.patience import PATIENCE_S
 
 PACE: Final = 2.0
 """Times real time."""
@@ -63,10 +64,12 @@ class Gateway(threading.Thread):
 
             async def moving() -> None:
                 # The patient stands in the pose until the therapist has calibrated and pressed record.
-                await service.wait_for_state(self.session_id, "recording", timeout_s=90.0)
+                await service.wait_for_state(self.session_id, "recording", timeout_s=PATIENCE_S)
 
             async def stopped() -> None:
-                await service.wait_for_state(self.session_id, "ready", "closing", "analysed", timeout_s=60.0)
+                await service.wait_for_state(
+                    self.session_id, "ready", "closing", "analysed", timeout_s=PATIENCE_S
+                )
 
             device = stream_of(self.session.recording)
             end_s = device.packet_count * device.packet_s

@@ -21,6 +21,7 @@ from app.network.packet_log import read_entries, read_head
 from app.recordings.schemas import SessionIn
 from estimators.channels import Channel
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.patience import PATIENCE_S
 
 RATE_HZ = 60.0
 STILL_S = 14.0
@@ -168,7 +169,7 @@ async def stream_by_gateway(
             await service.steer(made.id, "calibrate")
 
         async def record() -> None:
-            await service.wait_for_state(made.id, "ready")
+            await service.wait_for_state(made.id, "ready", timeout_s=PATIENCE_S)
             await service.steer(made.id, "record")
 
         gateway = GatewayClient(service.ingest_url, partial(service.ticket, made.id), device.hello, pace=None)
@@ -176,7 +177,7 @@ async def stream_by_gateway(
             device.deliveries(device.plan()),
             milestones=[Milestone(0.5, calibrate), Milestone(record_s, record)],
         )
-        await service.wait_for_state(made.id, "analysed", timeout_s=600.0)
+        await service.wait_for_state(made.id, "analysed", timeout_s=PATIENCE_S)
         return made.id
 
 

@@ -39,6 +39,7 @@ from tests.e2e.sensors.evenings import (
     go_on,
     put_on,
 )
+from tests.patience import PATIENCE_S
 
 PATIENT = PATIENTS[0]
 GOAL = 5
@@ -72,18 +73,18 @@ def record_template(therapist: Visitor, service: Service) -> None:
     gateway = Gateway(service.address, session_id, list(PLACEMENTS), shown, pose_s=16.0)
     gateway.start()
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.get_by_role("button", name="Start recording").click(timeout=60_000)
+    page.get_by_role("button", name="Start recording").click()
     page.get_by_role("button", name="Stop recording").wait_for()
     page.wait_for_timeout(1000 * max(0.0, (gateway.done_s - 8.0) / PACE))
     page.get_by_role("button", name="Stop recording").click()
-    gateway.join(timeout=60)
+    gateway.join(PATIENCE_S)
     assert gateway.error is None
     page.get_by_role("button", name="End session").click()
     page.get_by_role("dialog").get_by_role("button", name="End session").click()
-    page.get_by_role("link", name="Replay and compare").first.click(timeout=90_000)
+    page.get_by_role("link", name="Replay and compare").first.click()
     page.get_by_role("link", name="Make a template from this").click()
     page.get_by_role("button", name="Save template").click()
-    page.get_by_role("link", name="Draw phases and bands").first.click(timeout=30_000)
+    page.get_by_role("link", name="Draw phases and bands").first.click()
 
 
 def draw(therapist: Visitor) -> None:
@@ -150,12 +151,12 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
     page.wait_for_url("**/live")
     done = Done(what, page.url.split("/")[-2])
     put_on(page, what)
-    page.get_by_role("button", name="I am standing still").click(timeout=60_000)
-    page.get_by_role("heading", name="Ready").wait_for(timeout=60_000)
+    page.get_by_role("button", name="I am standing still").click()
+    page.get_by_role("heading", name="Ready").wait_for()
     go_on(page)
     page.get_by_role("button", name="Go", exact=True).click()
     line = page.get_by_test_id("line")
-    expect(line).to_have_text("Begin when you like", timeout=30_000)
+    expect(line).to_have_text("Begin when you like")
     watch_lines(page)
     done.behind, done.first = go_on(page), int(page.evaluate("emulated.first"))
     begins_s = time.monotonic()
@@ -169,7 +170,7 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
         relay.mend()
     page.wait_for_timeout(1000 * max(0.0, begins_s + end_s + 1.5 - time.monotonic()))
     if relay is not None:
-        expect(page.locator(".sensor-status")).to_contain_text("Nothing waits on this device", timeout=20_000)
+        expect(page.locator(".sensor-status")).to_contain_text("Nothing waits on this device")
     page.wait_for_timeout(1500)
     patient.picture(f"day-{name}-done-390")
     done.count = page.get_by_label("Counted").inner_text()
@@ -178,9 +179,9 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
     if finish.count() == 0:
         page.get_by_role("button", name="Stop", exact=True).click()
     finish.click()
-    page.get_by_role("heading", name="How was it?").wait_for(timeout=60_000)
+    page.get_by_role("heading", name="How was it?").wait_for()
     patient.picture(f"day-{name}-after-390")
-    page.get_by_role("heading", name="Your result is ready").wait_for(timeout=90_000)
+    page.get_by_role("heading", name="Your result is ready").wait_for()
     return done
 
 

@@ -109,8 +109,8 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     patient.picture("guided-wear-390")
     assert serious(patient) == []
     body = Body(service.address, page.url.split("/")[-2], done)
-    page.get_by_role("button", name="I am standing still").click(timeout=120_000)
-    expect(page.get_by_role("heading", name="Ready")).to_be_visible(timeout=60_000)
+    page.get_by_role("button", name="I am standing still").click()
+    expect(page.get_by_role("heading", name="Ready")).to_be_visible()
     expect(page.get_by_text("Now sit down on a chair.")).to_be_visible()
     patient.picture("guided-ready-390")
     assert body.is_at_rest.wait(60)
@@ -121,18 +121,18 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     body.may_move.set()
 
     count = page.get_by_label("Counted")
-    expect(count).to_contain_text("1of 10", timeout=60_000)
+    expect(count).to_contain_text("1of 10")
     patient.picture("guided-one-390")
     assert serious(patient) == []
-    expect(line).to_have_text("A little further.", timeout=60_000)
+    expect(line).to_have_text("A little further.")
     patient.picture("guided-cue-390")
     for width, height in ((1024, 800), (1440, 900)):
         page.set_viewport_size({"width": width, "height": height})
         page.wait_for_timeout(400)
         patient.picture(f"guided-doing-{width}")
     page.set_viewport_size({"width": 390, "height": 844})
-    expect(count).to_contain_text("1 not quite far enough", timeout=30_000)
-    expect(count).to_contain_text("3of 10", timeout=60_000)
+    expect(count).to_contain_text("1 not quite far enough")
+    expect(count).to_contain_text("3of 10")
     patient.picture("guided-counted-390")
 
     page.keyboard.press("Escape")
@@ -147,7 +147,7 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     page.get_by_role("button", name="Finish for today").click()
     body.thread.join()
 
-    expect(page.get_by_role("heading", name="How was it?")).to_be_visible(timeout=30_000)
+    expect(page.get_by_role("heading", name="How was it?")).to_be_visible()
     expect(page.get_by_text("You did 3 good movements.")).to_be_visible()
     page.get_by_role("group", name="Did it hurt?").get_by_text("3", exact=True).click()
     page.get_by_role("group", name="How hard was it?").get_by_text("6", exact=True).click()

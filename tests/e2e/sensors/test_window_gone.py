@@ -13,6 +13,7 @@ from tests.e2e.conftest import Service, Visitor
 from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay
 from tests.e2e.sensors.evenings import go_on
+from tests.patience import PATIENCE_S
 
 PLACEMENTS = ("upper_arm_right", "forearm_right")
 MOVING_S = 4.0
@@ -66,7 +67,7 @@ def leave(patient: Visitor, relay: Relay, therapist: httpx.Client, go: Callable[
     behind = begin(page, worn)
     page.wait_for_timeout(1000 * MOVING_S)
     relay.break_link()
-    expect(page.locator(".sensor-status")).to_contain_text("will be sent later", timeout=8000)
+    expect(page.locator(".sensor-status")).to_contain_text("will be sent later")
     page.wait_for_timeout(1000 * BROKEN_S)
     first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
     context = page.context
@@ -83,7 +84,7 @@ def open_again(left: Left, relay: Relay) -> Visitor:
 
 def analysed_s(therapist: httpx.Client, session_id: str, longer_than_s: float) -> float:
     """Wait until a session is analysed and longer than that; returns how long it is."""
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         found = therapist.get(f"/api/sessions/{session_id}").json()
         if found["state"] == "analysed" and found["duration_s"] > longer_than_s:
@@ -93,7 +94,7 @@ def analysed_s(therapist: httpx.Client, session_id: str, longer_than_s: float) -
 
 
 def assert_is_sent(again: Visitor) -> None:
-    expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible(timeout=20_000)
+    expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible()
     expect(again.page.locator(".sensor-unsent")).to_have_count(0)
     assert again.page.evaluate(home.WAITING) == 0
 
@@ -137,7 +138,7 @@ def test_what_a_window_left_is_sent_when_the_page_is_opened_again(
     again.page.get_by_role("link", name="Continue").click()
     again.page.get_by_role("button", name="Stop", exact=True).click()
     again.page.get_by_role("button", name="Finish for today").click()
-    expect(again.page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+    expect(again.page.get_by_role("heading", name="Your result is ready")).to_be_visible()
     assert_all_is_stored(therapist, left)
     assert again.faults_outside_the_view() == []
 
@@ -155,4 +156,4 @@ def test_what_a_window_left_is_sent_the_next_day_too(
     analysed_s(therapist, left.session_id, longer_than_s=before_s + 0.9 * BROKEN_S)
     assert_all_is_stored(therapist, left)
     # It is over: nothing asks her to go on with it.
-    expect(again.page.locator(f"a[href*='{left.session_id}/live']")).to_have_count(0, timeout=20_000)
+    expect(again.page.locator(f"a[href*='{left.session_id}/live']")).to_have_count(0)

@@ -16,9 +16,8 @@ from app.scaled.broker import Broker, connect
 from app.scaled.mqtt.configuration import configuration
 from app.settings import Settings
 from tests.app.serving import free_port
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import SERVER
-
-ANSWER_S = 10.0
 
 
 def launch(folder: Path) -> subprocess.Popen[bytes]:
@@ -48,12 +47,12 @@ async def running(folder: Path) -> AsyncIterator[tuple[Settings, Broker, int]]:
             await broker.close()
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(PATIENCE_S)
 
 
 async def until_listening(*ports: int) -> None:
     """Return when somebody listens on each port."""
-    async with asyncio.timeout(ANSWER_S):
+    async with asyncio.timeout(PATIENCE_S):
         for port in ports:
             while True:
                 with contextlib.suppress(OSError):
@@ -106,7 +105,7 @@ class Stranger:
         return not (await self._code()).is_failure
 
     async def _code(self) -> Any:
-        async with asyncio.timeout(ANSWER_S):
+        async with asyncio.timeout(PATIENCE_S):
             return await self._codes.get()
 
     async def close(self) -> None:

@@ -19,9 +19,9 @@ from app.scaled.mqtt import link as links
 from app.scaled.mqtt.door import OwnSession
 from app.scaled.mqtt.link import MqttLink
 from tests.app.live.live_load import swaying
+from tests.patience import PATIENCE_S
 
 TICKET = "a ticket"
-WITHIN_S = 10.0
 
 
 class Client:
@@ -97,7 +97,7 @@ class Talk:
 
     async def said(self, kind: str) -> dict[str, Any]:
         """Return the next message of a type."""
-        async with asyncio.timeout(WITHIN_S):
+        async with asyncio.timeout(PATIENCE_S):
             while True:
                 subject, message = await self.client.sent.get()
                 assert subject == f"gateway.{self.link.name}.down"
@@ -105,7 +105,7 @@ class Talk:
                     return message
 
     async def over(self) -> None:
-        async with asyncio.timeout(WITHIN_S):
+        async with asyncio.timeout(PATIENCE_S):
             await self.task
 
 

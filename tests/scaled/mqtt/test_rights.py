@@ -17,7 +17,8 @@ from app.network.mqtt import connection_name
 from app.scaled.broker import Broker
 from app.scaled.mqtt.callout import Callout
 from app.scaled.mqtt.configuration import issuer_of
-from tests.scaled.mqtt.server import ANSWER_S, Stranger, running
+from tests.patience import PATIENCE_S
+from tests.scaled.mqtt.server import Stranger, running
 
 OURS, THEIRS = "our ticket", "their ticket"
 
@@ -30,7 +31,7 @@ class Place:
     came: asyncio.Event
 
     async def until_heard(self, data: bytes) -> None:
-        async with asyncio.timeout(ANSWER_S):
+        async with asyncio.timeout(PATIENCE_S):
             while data not in [one for _, one in self.heard]:
                 self.came.clear()
                 await self.came.wait()
@@ -108,7 +109,7 @@ def test_a_gateway_hears_only_what_is_for_it(tmp_path: Path) -> None:
         await found.broker.client.publish(f"gateway.{theirs.name}.down", b"for them")
         await found.broker.client.publish(f"gateway.{ours.name}.down", b"for us")
         for one in (ours, theirs):
-            async with asyncio.timeout(ANSWER_S):
+            async with asyncio.timeout(PATIENCE_S):
                 await one.came.wait()
         assert ours.received == [(f"gateway/{ours.name}/down", b"for us")]
         assert theirs.received == [(f"gateway/{theirs.name}/down", b"for them")]
@@ -140,7 +141,7 @@ def test_a_gateway_says_nothing_in_the_name_of_another(tmp_path: Path) -> None:
         ours.client.publish(f"gateway/{ours.name}/up", b"our own")
         await found.until_heard(b"our own")
         await found.broker.client.publish(f"gateway.{theirs.name}.down", b"true")
-        async with asyncio.timeout(ANSWER_S):
+        async with asyncio.timeout(PATIENCE_S):
             await theirs.came.wait()
         assert found.heard[:1] == [(f"gateway.{ours.name}.up", b"our own")]
         assert theirs.received == [(f"gateway/{theirs.name}/down", b"true")]
@@ -158,7 +159,7 @@ def test_nobody_reaches_the_service_without_its_password(tmp_path: Path) -> None
             reader, writer = await asyncio.open_connection("127.0.0.1", address.port)
             shown = json.dumps({"user": user, "pass": password, "verbose": True})
             writer.write(f"CONNECT {shown}\r\n".encode())
-            async with asyncio.timeout(ANSWER_S):
+            async with asyncio.timeout(PATIENCE_S):
                 answer = await reader.read()
             writer.close()
             await writer.wait_closed()

@@ -14,16 +14,16 @@ pytest.importorskip("paho.mqtt", reason="the extra `scaled` is not installed")
 
 from app.gateway import DeviceStream, ServiceClient
 from tests.benchmarks.service import open_sessions
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.database import Database
 from tests.scaled.embedded import embedded_shown
 from tests.scaled.killing import Calibration, streaming, whole_service
-from tests.scaled.mqtt.server import ANSWER_S, Stranger
+from tests.scaled.mqtt.server import Stranger
 
 pytestmark = [pytest.mark.slow, pytest.mark.postgres]
 
 BETWEEN_S = 2.0
-SHOWN_WITHIN_S = 30.0
 """Of the death of an edge, which is five seconds of silence by MQTT; tests share their machine."""
 
 Started = tuple[Cluster, Database, DeviceStream, Calibration]
@@ -89,7 +89,7 @@ def test_the_edge_that_serves_a_gateway_by_mqtt_dies_and_the_other_goes_on(start
             after = served_by_mqtt(cluster)
             stored = await going.finish()
         assert stored.is_whole, stored
-        assert max(seen.shown_s) < SHOWN_WITHIN_S
+        assert max(seen.shown_s) < PATIENCE_S
         assert after[name] == 0
         assert sum(after.values()) == 1
         assert going.sessions[1].gateway.report.connections == 2
@@ -101,7 +101,7 @@ def test_a_ticket_opens_its_own_session_by_its_own_connection_once(started: Star
     cluster, _, stream, _ = started
 
     async def said(gateway: Stranger) -> dict[str, Any]:
-        async with asyncio.timeout(ANSWER_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not gateway.received:
                 gateway.came.clear()
                 await gateway.came.wait()

@@ -15,6 +15,7 @@ from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from app.scaled.credentials import Kind, public_text
 from app.scaled.mqtt.issuer import Issuer
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import SERVER
 
 ALL = -1
@@ -95,4 +96,4 @@ def serving(folder: Path, port: int, lines: list[str]) -> Iterator[None]:
         yield
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(PATIENCE_S)

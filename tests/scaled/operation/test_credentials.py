@@ -15,12 +15,11 @@ from app.scaled.broker import connect, stream_name
 from app.scaled.wire import subject
 from app.settings import Settings
 from tests.app.serving import free_port
+from tests.patience import PATIENCE_S
 from tests.said import codes
 from tests.scaled.cluster import Cluster
 from tests.scaled.killing import streaming, whole_service
 from tests.scaled.operation.operator import Operator, User, launch, serving, write_credentials
-
-ANSWER_S = 20.0
 
 
 @pytest.fixture(autouse=True)
@@ -108,7 +107,7 @@ def test_credentials_that_are_replaced_before_they_expire_last(tmp_path: Path) -
     file = write_credentials(tmp_path / "user.creds", operator.token(user, lasts_s=3.0), user.seed)
 
     async def until(holds: Callable[[], bool]) -> None:
-        async with asyncio.timeout(ANSWER_S):
+        async with asyncio.timeout(PATIENCE_S):
             while not holds():  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
 

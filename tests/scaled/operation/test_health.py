@@ -8,7 +8,8 @@ import httpx
 import pytest
 
 from app.accounts.credentials.rate_limit import PER_ACCOUNT
-from tests.scaled.cluster import PATIENCE_S, Cluster
+from tests.patience import PATIENCE_S
+from tests.scaled.cluster import Cluster
 from tests.scaled.database import Database
 from tests.scaled.killing import whole_service
 

@@ -11,6 +11,7 @@ from app.database.engine import create_from_url
 from app.gateway import DeviceStream, GatewayClient, ServiceClient
 from app.recordings.signals.store import read_packets
 from tests.benchmarks.service import open_sessions
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.killing import whole_service
 
@@ -25,7 +26,7 @@ async def send(client: ServiceClient, session_id: str, stream: DeviceStream, fir
     gateway = GatewayClient(client.ingest_url, lambda: client.ticket(session_id), stream.hello, pace=None)
     await gateway.run(itertools.islice(stream.deliveries(stream.plan()), first, last), goodbye=False)
     await client.steer(session_id, "close")
-    await client.wait_for_state(session_id, "analysed")
+    await client.wait_for_state(session_id, "analysed", timeout_s=PATIENCE_S)
     return (await client.session(session_id)).duration_s or 0.0
 
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from app.database import backup as archives
+from tests.patience import PATIENCE_S
 from tests.scaled.cluster import ROOT, Cluster
-from tests.scaled.killing import STORED_WITHIN_S, streaming, whole_service
+from tests.scaled.killing import streaming, whole_service
 from tests.scaled.mqtt.server import until_listening
 from tests.scaled.streaming import Roving, check_stored
 
@@ -87,7 +88,7 @@ def test_a_backup_under_load_has_every_acknowledged_packet(tmp_path: Path) -> No
         assert command(cluster, "restore", str(archive)).returncode != 0, "it is not empty any more"
 
         cluster.start("worker", "worker0")
-        until_s = time.monotonic() + STORED_WITHIN_S
+        until_s = time.monotonic() + PATIENCE_S
         while any(
             wanted - found for wanted, found in zip(acknowledged, numbers(cluster, sessions), strict=True)
         ):

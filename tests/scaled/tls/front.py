@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from sqlalchemy import URL, make_url
 
 from tests.app.serving import free_port
+from tests.patience import PATIENCE_S
 from tests.scaled.tls.certificates import Authority
 
 _REQUEST = struct.Struct("!II")
@@ -87,7 +88,7 @@ def by_tls(url: str, authority: Authority) -> Iterator[tuple[str, _Front]]:
     ended = asyncio.Event()
     thread = threading.Thread(target=loop.run_until_complete, args=(serve(),), daemon=True)
     thread.start()
-    assert begun.wait(10.0)
+    assert begun.wait(PATIENCE_S)
     try:
         query = {"sslmode": "verify-full", "sslrootcert": str(authority.ca)}
         yield (

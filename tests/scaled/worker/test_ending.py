@@ -3,6 +3,7 @@
 import asyncio
 
 from app.scaled.worker.ending import end
+from tests.patience import PATIENCE_S
 
 
 def test_a_task_that_loses_its_first_cancellation_is_cancelled_again() -> None:
@@ -18,7 +19,7 @@ def test_a_task_that_loses_its_first_cancellation_is_cancelled_again() -> None:
     async def story() -> asyncio.Task[None]:
         task = asyncio.create_task(goes_on())
         await asyncio.sleep(0.0)
-        async with asyncio.timeout(5.0):
+        async with asyncio.timeout(PATIENCE_S):
             await end([task], again_s=0.01)
         return task
 

@@ -12,6 +12,7 @@ from app.network.declaration import Declaration
 from app.scaled.wire import HelloEntry, PacketEntry
 from app.scaled.worker import entries as module
 from app.scaled.worker.entries import Entries
+from tests.patience import PATIENCE_S
 
 HELLO = HelloEntry("session", "connection", "edge", {})
 PACKET = PacketEntry("session", 0, b"packet")
@@ -49,7 +50,7 @@ def test_only_a_session_without_packets_waits_until_there_is_room(
         entries = Entries(made, connections, outlet, MagicMock(), MagicMock())
         for sequence, entry in enumerate(taken, 1):
             entries.take(sequence, entry)
-        async with asyncio.timeout(5.0):
+        async with asyncio.timeout(PATIENCE_S):
             await asyncio.gather(*entries._openers)
         assert not entries.is_opening
         assert entries.taken(len(taken)) == len(taken)

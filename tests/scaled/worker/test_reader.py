@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from app.scaled.worker import reader
+from tests.patience import PATIENCE_S
 
 Hear = Callable[[Any], Awaitable[None]]
 
@@ -68,7 +69,7 @@ async def read(server: Server, count: int, each: Callable[[], None] = lambda: No
     broker: Any = server
     found: list[int] = []
     stream = reader.read(broker, 0, 0)
-    async with asyncio.timeout(5.0):
+    async with asyncio.timeout(PATIENCE_S):
         async for sequence, _, _ in stream:
             found.append(sequence)
             each()

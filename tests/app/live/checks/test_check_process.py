@@ -16,6 +16,7 @@ from app.errors import Unavailable
 from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check
 from estimators.calibration import RecordingCheck
 from estimators.recording import ImuChunk
+from tests.patience import PATIENCE_S
 
 NAMES = ("upper_arm_right", "forearm_right")
 
@@ -39,7 +40,7 @@ def process() -> Iterator[CheckProcess]:
 
 
 def is_gone(pid: int) -> bool:
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         state = Path(f"/proc/{pid}/stat")
         if not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z":

@@ -16,6 +16,7 @@ from app.live import warmup
 from app.live.warmup import FIRST, Kind, Readiness, code_of, usual
 from estimators.pipelines import SessionSetup
 from tests.benchmarks.crash import is_alive
+from tests.patience import PATIENCE_S
 
 ARM = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0)
 GAIT = SessionSetup("gait", ("foot_left", "foot_right"), 100.0)
@@ -31,7 +32,7 @@ class Held:
 
     def __call__(self, kind: Kind) -> None:
         self.begun.append(kind)
-        self.gate(kind).wait(20.0)
+        self.gate(kind).wait(PATIENCE_S)
 
     def gate(self, kind: Kind) -> threading.Event:
         return self.may_end.setdefault(kind, threading.Event())
@@ -152,7 +153,7 @@ def test_what_compiles_ends_with_the_service_that_is_killed() -> None:
         compiling = psutil.Process(int(service.stdout.readline()))
         assert service.stdout.readline() == "on\n"
         service.kill()
-        until = time.monotonic() + 30.0
+        until = time.monotonic() + PATIENCE_S
         while is_alive(compiling) and time.monotonic() < until:
             time.sleep(0.1)
         is_left = is_alive(compiling)

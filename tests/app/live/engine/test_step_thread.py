@@ -18,6 +18,7 @@ from app.live.manager import LiveManager
 from tests.app.live.engine.both_ways import offer
 from tests.app.live.engine.test_both_ways import Pair, by_thread, manager, no_checks, shows_all
 from tests.app.live.engine.test_late_turns import begun as begun_with_first
+from tests.patience import PATIENCE_S
 
 __all__ = ["by_thread", "manager", "no_checks", "shows_all"]
 
@@ -105,7 +106,7 @@ def test_more_packets_than_one_call_takes_are_asked_for_one_after_the_other(
         general(pair, packets[:12])
         asked.clear()
         offered(pair, packets[:12])
-        deadline_s = time.monotonic() + 10.0
+        deadline_s = time.monotonic() + PATIENCE_S
         while sum(asked) < 12 or manager.pooled._open:
             assert time.monotonic() < deadline_s, asked
             await asyncio.sleep(0.001)

@@ -32,6 +32,7 @@ from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Settings
 from estimators.simulation import ExerciseName
 from tests.app.live.guided import EXERCISE, LEANING, N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
+from tests.patience import PATIENCE_S
 
 GOOD_AND_SHORT = (SOUND, SOUND, SHORT, SOUND)
 RECORD_AT_S = N_POSE_S + 1.6
@@ -67,7 +68,7 @@ class Room:
         await self.until(1.0)
         self.live.start_calibration(CalibrationIn(kind="n_pose"))
         await self.until(RECORD_AT_S)
-        async with asyncio.timeout(20.0):
+        async with asyncio.timeout(PATIENCE_S):
             # The pose is evaluated in a thread, which has nothing to wait for.
             while self.live.state != "ready":  # noqa: ASYNC110
                 await asyncio.sleep(0.01)

@@ -13,6 +13,7 @@ from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
 from estimators.pipelines import SessionSetup, analyse_walk
 from estimators.recording import Recording, SensorSignals
+from tests.patience import PATIENCE_S
 
 FEET = Path(__file__).parents[3] / "data" / "feet"
 RATE_HZ, SECONDS = 204.8, 20.0
@@ -48,14 +49,14 @@ def test_feet_are_followed_live_and_again_when_all_has_come(signed_in: SignedIn,
 
             async def record() -> None:
                 # Nothing is to be calibrated: connected means ready.
-                await service.wait_for_state(created.id, "ready", timeout_s=10.0)
+                await service.wait_for_state(created.id, "ready", timeout_s=PATIENCE_S)
                 await service.steer(created.id, "record")
 
             gateway = GatewayClient(
                 service.ingest_url, partial(service.ticket, created.id), device.hello, pace=None
             )
             await gateway.run(device.deliveries(device.plan()), milestones=[Milestone(0.5, record)])
-            await service.wait_for_state(created.id, "analysed", timeout_s=60.0)
+            await service.wait_for_state(created.id, "analysed", timeout_s=PATIENCE_S)
             found = await service.session(created.id)
             assert {result.kind for result in found.results} == {"live", "offline"}
             walk = (await service.http.get(f"/api/sessions/{created.id}/gait")).json()

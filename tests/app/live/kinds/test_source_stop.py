@@ -21,6 +21,7 @@ from app.network.messages import ActuateMessage, ActuationPlanMessage
 from app.recordings.schemas import SessionIn
 from estimators.magnetic import coil_state
 from estimators.pipelines import RelativePosePipeline, SessionSetup
+from tests.patience import PATIENCE_S
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
 PAIR = ("pelvis", "sternum")
@@ -33,6 +34,7 @@ PLAN = ActuationPlanMessage(
     after_s=0.5,
     current_limit_a=1.5,
 )
+
 ASKED = ActuateMessage(number=1, coil=2, current_a=1.3, on_ticks=8, not_before_us=0, not_after_us=900_000_000)
 
 
@@ -187,7 +189,7 @@ def test_a_live_source_stops_at_once_and_streams_on(signed_in: SignedIn, world: 
             assert report.connections == 1, "the sensors stream on"
             # Confirmed again while it was live: it goes on within the time of one check.
             assert patient.control.account.asked > done
-            await service.wait_for_state(created.id, "analysed", timeout_s=120.0)
+            await service.wait_for_state(created.id, "analysed", timeout_s=PATIENCE_S)
             kinds = [event.kind for event in (await service.session(created.id)).events]
             assert kinds.count("source_stopped") == kinds.count("source_allowed") == 1
             assert "source_unasked" not in kinds

@@ -16,6 +16,7 @@ from app.live.manager import LiveManager
 from app.network.packet import PacketFlag, with_flags
 from app.recordings.signals.store import read_packets
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.patience import PATIENCE_S
 
 ENDED = {"closing", "analysed"}
 
@@ -39,7 +40,7 @@ def hello(client: Any, session_id: str, stream: DeviceStream) -> str:
 
 
 def receive_until(socket: Any, wanted: Callable[[dict[str, Any]], bool]) -> None:
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         if wanted(json.loads(socket.receive_text())):
             return
@@ -51,7 +52,7 @@ def state_of(client: Any, session_id: str) -> str:
 
 
 def wait_for_state(client: Any, session_id: str, wanted: set[str]) -> str:
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE_S
     while (state := state_of(client, session_id)) not in wanted:
         if time.monotonic() > deadline:
             raise TimeoutError(f"{state} instead of {wanted}")
@@ -90,13 +91,13 @@ def test_closing_waits_for_a_hello_that_is_opening_the_session(
 
     def slow_begin(*arguments: Any) -> Any:
         is_opening.set()
-        may_open.wait(20)
+        may_open.wait(PATIENCE_S)
         return begin(*arguments)
 
     monkeypatch.setattr(live_manager.repository, "begin_stream", slow_begin)
     with therapist.websocket_connect("/ws/ingest") as socket:
         socket.send_text(hello(therapist, session_id, stream))
-        assert is_opening.wait(20)
+        assert is_opening.wait(PATIENCE_S)
         answers: list[str] = []
         closing = threading.Thread(
             target=lambda: answers.append(therapist.post(f"/api/sessions/{session_id}/close").json()["state"])

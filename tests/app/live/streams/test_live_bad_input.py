@@ -26,6 +26,7 @@ from tests.app.live.sockets import (
     new_session,
     until,
 )
+from tests.patience import PATIENCE_S
 
 
 def resealed(data: bytes) -> bytes:
@@ -177,7 +178,7 @@ def test_a_sender_that_gets_nothing_right_is_turned_away(
                     for _ in range(ingest_websocket.WRONG_IN_A_ROW + 50):
                         await socket.send(b"BNP1 nonsense")
                 with contextlib.suppress(ConnectionClosed):
-                    async with asyncio.timeout(20):
+                    async with asyncio.timeout(PATIENCE_S):
                         while True:
                             errors.append(json.loads(await socket.recv()))
                 errors = [message for message in errors if message["type"] == "error"]

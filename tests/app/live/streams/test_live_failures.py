@@ -26,6 +26,7 @@ from app.recordings.signals.store import read_packets
 from app.services import Services
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.patience import PATIENCE_S
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +49,7 @@ def hello(client: Any, session_id: str, stream: DeviceStream) -> str:
 
 
 def receive_until(socket: Any, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         message = json.loads(socket.receive_text())
         if wanted(message):
@@ -181,7 +182,7 @@ def test_an_interrupted_session_is_taken_note_of_and_closed_when_nobody_comes_ba
         assert session_id not in closed
         stored = repository.load(engine, session_id)
         assert (stored.state, stored.state_reason) == ("link_lost", "The service was restarted.")
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(PATIENCE_S):
             await asyncio.to_thread(analysis_asked_for.wait)
         assert repository.load(engine, session_id).state == "closing"
         assert (await live.close(session_id, "again")).state == "closing"

@@ -24,6 +24,7 @@ from tests.app.live.sockets import (
     new_session,
     until,
 )
+from tests.patience import PATIENCE_S
 
 
 def test_tickets_are_for_one_use_one_session_and_one_purpose(
@@ -92,7 +93,7 @@ async def watch(
         if ticket is not None:
             await socket.send(json.dumps({"ticket": ticket}))
         with contextlib.suppress(ConnectionClosed):
-            async with asyncio.timeout(10):
+            async with asyncio.timeout(PATIENCE_S):
                 while True:
                     messages.append(json.loads(await socket.recv()))
         return socket.close_code, messages

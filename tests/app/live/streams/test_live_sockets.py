@@ -26,6 +26,7 @@ from tests.app.live.sockets import (
     new_session,
     until,
 )
+from tests.patience import PATIENCE_S
 
 
 @pytest.mark.slow
@@ -49,7 +50,7 @@ def test_a_dashboard_sees_layout_states_health_and_frames_until_its_right_ends(
                 await client.steer(session_id, "mark", {"text": "begin"})
 
             async def record() -> None:
-                await client.wait_for_state(session_id, "ready")
+                await client.wait_for_state(session_id, "ready", timeout_s=PATIENCE_S)
                 await client.steer(session_id, "record")
 
             async def stop() -> None:
@@ -153,8 +154,10 @@ def test_the_same_as_json_for_people_with_curl(signed_in: SignedIn, world: Any, 
             async with connect(url, proxy=None) as dashboard:
                 await dashboard.send(json.dumps({"ticket": await client.ticket(session_id, "live")}))
                 # Whoever watches is told of the end of the analysis too.
-                await until(dashboard, lambda message: message.get("state") == "analysed", timeout_s=60)
-            await client.wait_for_state(session_id, "analysed", timeout_s=60)
+                await until(
+                    dashboard, lambda message: message.get("state") == "analysed", timeout_s=PATIENCE_S
+                )
+            await client.wait_for_state(session_id, "analysed", timeout_s=PATIENCE_S)
 
     asyncio.run(run())
 
@@ -170,7 +173,7 @@ def test_a_session_that_never_began_closes_and_a_closed_one_takes_nothing(
             state = await client.steer(session_id, "close")
             assert state.state in {"closing", "analysed", "failed"}
             # Nothing can be analysed, so the session ends as failed; that does not open it again.
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(PATIENCE_S):
                 while (await client.state(session_id)).state == "closing":  # noqa: ASYNC110
                     await asyncio.sleep(0.2)
             sender = GatewayClient(client.ingest_url, partial(client.ticket, session_id), stream.hello)
@@ -190,7 +193,7 @@ def test_a_link_that_breaks_while_a_milestone_waits_comes_back(signed_in, world,
             async def break_and_wait() -> None:
                 assert client._connection is not None
                 client._connection.abort()
-                async with asyncio.timeout(20.0):
+                async with asyncio.timeout(PATIENCE_S):
                     while client.report.connections < 2:  # noqa: ASYNC110 - another task counts
                         await asyncio.sleep(0.02)
 

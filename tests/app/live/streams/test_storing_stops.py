@@ -28,6 +28,7 @@ from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.app.conftest import BASE_URL, build_world
 from tests.app.live.streams.test_live_failures import hello, new_session, receive_until
+from tests.patience import PATIENCE_S
 
 NOTICED_WITHIN_S = 5.0
 WELL_WITHIN_S = 20.0
@@ -129,7 +130,7 @@ def received(socket: Any) -> dict[str, Any]:
 
 
 def receive_health(socket: Any, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         message = received(socket)
         assert message["type"] != "websocket.close", "the page was shut"
@@ -230,7 +231,7 @@ def test_a_check_that_hangs_or_raises_is_not_well(settings) -> None:
 
     def hangs() -> None:
         calls.append(1)
-        release.wait(30)
+        release.wait(PATIENCE_S)
 
     def raises() -> None:
         raise ValueError("Ada Lindqvist")

@@ -17,11 +17,13 @@ from app.recordings.schemas import SessionDetail, SessionIn
 from app.recordings.signals.store import read_packets
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
 from estimators.simulation.faults import DeliveryPlan, LinkFaults
+from tests.patience import PATIENCE_S
 
 SEED = 3
 LINK = LinkFaults(
     loss_fraction=0.05, duplicate_fraction=0.05, reorder_fraction=0.05, break_count=2, break_s=3.0
 )
+
 N_POSE_S = 20.0
 """Long enough for six seconds without a gap of more than 200 ms somewhere in it, also on the bad link."""
 INVALID, BRIDGED = 1, 2
@@ -47,7 +49,7 @@ async def stream_through(
         await client.steer(made.id, "calibrate")
 
     async def record() -> None:
-        await client.wait_for_state(made.id, "ready")
+        await client.wait_for_state(made.id, "ready", timeout_s=PATIENCE_S)
         await client.steer(made.id, "record")
 
     gateway = GatewayClient(client.ingest_url, partial(client.ticket, made.id), stream.hello, pace=None)
@@ -56,7 +58,7 @@ async def stream_through(
         breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],
         milestones=[Milestone(0.0, calibrate), Milestone(N_POSE_S - 1.0, record)],
     )
-    await client.wait_for_state(made.id, "analysed", timeout_s=180.0)
+    await client.wait_for_state(made.id, "analysed", timeout_s=PATIENCE_S)
     return await client.session(made.id), report
 
 
@@ -160,7 +162,7 @@ def test_a_killed_server_loses_nothing_acknowledged(
                 await client.steer(made.id, "calibrate")
 
             async def record() -> None:
-                await client.wait_for_state(made.id, "ready")
+                await client.wait_for_state(made.id, "ready", timeout_s=PATIENCE_S)
                 await client.steer(made.id, "record")
 
             async def kill() -> None:
@@ -181,7 +183,7 @@ def test_a_killed_server_loses_nothing_acknowledged(
             )
             assert report.connections == 3
             assert report.unacknowledged == 0
-            await client.wait_for_state(made.id, "analysed", timeout_s=120.0)
+            await client.wait_for_state(made.id, "analysed", timeout_s=PATIENCE_S)
             session = await client.session(made.id)
             stored = [packet.sequence for packet in read_packets(engine, made.id)]
             assert sorted(stored) == list(range(stream.packet_count)), "each exactly once"

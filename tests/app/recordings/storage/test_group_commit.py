@@ -24,6 +24,7 @@ from app.recordings.signals.chunks import decode_packets, encode_packets, outerm
 from app.recordings.signals.codecs import DamagedChunkError
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.recordings.signals.store import read_packets, read_packets_in_order, stored_ranges
+from tests.patience import PATIENCE_S
 
 Make = Callable[..., RawPacket]
 
@@ -120,7 +121,7 @@ def test_only_what_is_committed_is_called_durable(
         if n % 7 == 0:
             wait([writer.flush(session_id)], 10)
     writer.flush(session_id)
-    assert enough.wait(10)
+    assert enough.wait(PATIENCE_S)
     assert len(told) > 3
     assert all(said == stored for said, stored in told)
 
@@ -241,7 +242,7 @@ def test_a_session_faster_than_life_is_stored_before_its_second_is_over(
         writer.append_packet(fast, packet(n))
     writer.append_packet(slow, packet(0))
     writer.start()
-    assert fast_is_stored.wait(10)
+    assert fast_is_stored.wait(PATIENCE_S)
     assert stored_ranges(engine, fast) == SequenceRanges([(0, 10)])
     # The others wait for their own time.
     assert stored_ranges(engine, slow) == SequenceRanges()

@@ -10,6 +10,7 @@ import pytest
 
 from app import processes
 from app.processes import Child, ChildDied, Emit
+from tests.patience import PATIENCE_S
 
 MEMORY_BYTES = 2 << 30
 
@@ -46,7 +47,7 @@ def test_the_worker_dies_with_a_killed_service() -> None:
     assert is_alive(child)
     os.kill(process.pid, signal.SIGKILL)
     process.join()
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while is_alive(child) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not is_alive(child)
