@@ -13,13 +13,15 @@ class NamedMeasure:
     Attributes
     ----------
     name : str
-        As what computes it calls it; units travel with the values.
+        As what computes it calls it.
     part : str
         Of a walk `foot`: of each foot; `both`: of the two together; `asymmetry`: left less right over their mean, of
         the measure of a foot with this name; `balance`: of instrumented shoes; `test`: of a walking test. `sway`: of a
         test of balance. `repetition`: of one repetition; a name with a colon at its end goes on with a channel.
     label : str
         What a person calls it where sessions are followed; empty where it is only compared.
+    unit : str
+        Of one repetition: of its values; empty where it is that of the channel. Others travel with their values.
     is_main : bool
         Shown at once, the others when asked for. Of a repetition: a column of the table by repetition.
     """
@@ -27,6 +29,7 @@ class NamedMeasure:
     name: str
     part: Part
     label: str = ""
+    unit: str = ""
     is_main: bool = False
 
 
@@ -83,34 +86,38 @@ MEASURES: Final = (
     NamedMeasure("median_frequency", "sway"),
     NamedMeasure("frequency_95", "sway"),
     NamedMeasure("range:", "repetition", "range of motion", is_main=True),
-    NamedMeasure("duration", "repetition", "Duration", is_main=True),
-    NamedMeasure("duration_ratio", "repetition", "Duration relative to the template"),
-    NamedMeasure("timing_deviation", "repetition", "Uneven timing", is_main=True),
-    NamedMeasure("time_to_peak_speed", "repetition", "Time to peak speed, part of the way out"),
-    NamedMeasure("shape_deviation", "repetition", "Difference in shape", is_main=True),
-    NamedMeasure("inside_band", "repetition", "Share inside the band", is_main=True),
-    NamedMeasure("peak_deviation_phase", "repetition", "Phase of the largest difference"),
-    NamedMeasure("peak_speed", "repetition", "Peak hand speed", is_main=True),
-    NamedMeasure("mean_speed", "repetition", "Mean hand speed"),
-    NamedMeasure("peak_turning_speed", "repetition", "Peak turning speed"),
-    NamedMeasure("mean_turning_speed", "repetition", "Mean turning speed"),
-    NamedMeasure("path_residual", "repetition", "Hand path, what differs in shape"),
-    NamedMeasure("path_turn", "repetition", "Hand path, turned from the template"),
-    NamedMeasure("path_scale", "repetition", "Hand path, factor to the template's size"),
-    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)", is_main=True),
-    NamedMeasure("log_dimensionless_jerk", "repetition", "Smoothness (log dimensionless jerk)", is_main=True),
-    NamedMeasure("movement_units", "repetition", "Movement units"),
-    NamedMeasure("units_per_metre", "repetition", "Movement units per metre"),
+    NamedMeasure("duration", "repetition", "Duration", unit="s", is_main=True),
+    NamedMeasure("duration_ratio", "repetition", "Duration relative to the template", unit="1"),
+    NamedMeasure("timing_deviation", "repetition", "Uneven timing", unit="%", is_main=True),
+    NamedMeasure("time_to_peak_speed", "repetition", "Time to peak speed, part of the way out", unit="%"),
+    NamedMeasure("shape_deviation", "repetition", "Difference in shape", unit="bands", is_main=True),
+    NamedMeasure("inside_band", "repetition", "Share inside the band", unit="%", is_main=True),
+    NamedMeasure("peak_deviation_phase", "repetition", "Phase of the largest difference", unit="%"),
+    NamedMeasure("peak_speed", "repetition", "Peak hand speed", unit="m/s", is_main=True),
+    NamedMeasure("mean_speed", "repetition", "Mean hand speed", unit="m/s"),
+    NamedMeasure("peak_turning_speed", "repetition", "Peak turning speed", unit="rad/s"),
+    NamedMeasure("mean_turning_speed", "repetition", "Mean turning speed", unit="rad/s"),
+    NamedMeasure("path_residual", "repetition", "Hand path, what differs in shape", unit="m"),
+    NamedMeasure("path_turn", "repetition", "Hand path, turned from the template", unit="rad"),
+    NamedMeasure("path_scale", "repetition", "Hand path, factor to the template's size", unit="1"),
+    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)", unit="1", is_main=True),
     NamedMeasure(
-        "joint_correlation", "repetition", "Shoulder and elbow together (correlation)", is_main=True
+        "log_dimensionless_jerk", "repetition", "Smoothness (log dimensionless jerk)", unit="1", is_main=True
     ),
-    NamedMeasure("joint_lag", "repetition", "Elbow behind shoulder"),
-    NamedMeasure("joint_common_share", "repetition", "Movement that shoulder and elbow share"),
-    NamedMeasure("hand_path_ratio", "repetition", "Hand path relative to a straight line", is_main=True),
-    NamedMeasure("range_ratio:", "repetition", "range relative to the template"),
+    NamedMeasure("movement_units", "repetition", "Movement units", unit="count"),
+    NamedMeasure("units_per_metre", "repetition", "Movement units per metre", unit="1/m"),
+    NamedMeasure(
+        "joint_correlation", "repetition", "Shoulder and elbow together (correlation)", unit="1", is_main=True
+    ),
+    NamedMeasure("joint_lag", "repetition", "Elbow behind shoulder", unit="s"),
+    NamedMeasure("joint_common_share", "repetition", "Movement that shoulder and elbow share", unit="%"),
+    NamedMeasure(
+        "hand_path_ratio", "repetition", "Hand path relative to a straight line", unit="1", is_main=True
+    ),
+    NamedMeasure("range_ratio:", "repetition", "range relative to the template", unit="1"),
     NamedMeasure("peak_deviation:", "repetition", "largest difference"),
     NamedMeasure("shape_rms:", "repetition", "difference in shape"),
-    NamedMeasure("multiple_correlation:", "repetition", "how alike the repetitions are (CMC)"),
+    NamedMeasure("multiple_correlation:", "repetition", "how alike the repetitions are (CMC)", unit="1"),
     NamedMeasure("repetition_rms:", "repetition", "spread of the repetitions"),
     NamedMeasure("compensation:", "repetition", "range", is_main=True),
 )

@@ -43,34 +43,7 @@ SMALLEST_PATH = 0.10
 _ABOVE_THE_HAND = ("thorax_humerus", "humerus_forearm")
 
 _LABELS = {one.name: one.label for one in MEASURES if one.part == "repetition"}
-
-
-_UNITS = {
-    "duration": "s",
-    "duration_ratio": "1",
-    "timing_deviation": "%",
-    "time_to_peak_speed": "%",
-    "shape_deviation": "bands",
-    "inside_band": "%",
-    "peak_deviation_phase": "%",
-    "peak_speed": "m/s",
-    "mean_speed": "m/s",
-    "peak_turning_speed": "rad/s",
-    "mean_turning_speed": "rad/s",
-    "path_residual": "m",
-    "path_turn": "rad",
-    "path_scale": "1",
-    "spectral_arc_length": "1",
-    "log_dimensionless_jerk": "1",
-    "movement_units": "count",
-    "units_per_metre": "1/m",
-    "joint_correlation": "1",
-    "joint_lag": "s",
-    "joint_common_share": "%",
-    "hand_path_ratio": "1",
-    "range_ratio": "1",
-    "multiple_correlation": "1",
-}
+_UNITS = {one.name.rstrip(":"): one.unit for one in MEASURES if one.part == "repetition" and one.unit}
 
 
 def measure_unit(name: str) -> str:
