@@ -44,7 +44,7 @@ logger = logging.getLogger(__name__)
 SEND_AGAIN_AFTER_S = 1.0
 HELLO_TIMEOUT_S = 60.0
 FIRST_WAIT_S = 0.1
-LONGEST_WAIT_S = 5.0
+LONGEST_WAIT_S = 2.0
 KEPT_PACKETS = 200_000
 
 Answer = AcknowledgeMessage | ErrorMessage | ActuateMessage | ActuationPlanMessage
