@@ -42,6 +42,8 @@ class Housekeeping:
         Silence after which a session is closed, in general and after a goodbye whose link broke.
     longest_s : float
         A session that lasts longer is closed.
+    note : callable(session), optional
+        Called about once a second with each session, settled.
     """
 
     def __init__(
@@ -53,8 +55,10 @@ class Housekeeping:
         idle_close_s: float,
         goodbye_close_s: float,
         longest_s: float,
+        note: Callable[[LiveSession], None] = lambda _: None,
     ) -> None:
         self._sessions = sessions
+        self._note = note
         self._is_connected = is_connected
         self._close_soon = close_soon
         self._idle_close_s = idle_close_s
@@ -117,6 +121,8 @@ class Housekeeping:
             self._close_soon(session.id, _IDLE)
         elif said_goodbye and silence_s > self._goodbye_close_s and not self._is_connected(session.id):
             self._close_soon(session.id, _NOT_BROUGHT)
+        if is_thorough:
+            self._note(session)
 
     def _close_abandoned(self) -> None:
         """Close sessions that were open when the service stopped and to which no gateway came back."""

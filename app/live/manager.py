@@ -25,7 +25,9 @@ from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience
+from app.live.session.checkpoint import pack
 from app.live.session.intake import Intake
+from app.live.session.marks import Marks
 from app.live.session.opening import ANYWHERE, Opener, Place, check_network
 from app.live.session.runner import LiveSession
 from app.live.session.saver import until_written
@@ -46,6 +48,8 @@ logger = logging.getLogger(__name__)
 _NOT_CLOSED = say("live.not_closed")
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
+MARK_S: Final = 10.0
+"""From one checkpoint of a session to the next: at most so much of it is estimated again after a restart."""
 ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
@@ -117,7 +121,9 @@ class LiveManager(SteeredSide):
             idle_close_s=idle_close_s,
             goodbye_close_s=goodbye_close_s,
             longest_s=longest_s,
+            note=self._note_where,
         )
+        self._marks = Marks(MARK_S)
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
@@ -179,6 +185,13 @@ class LiveManager(SteeredSide):
     def session_count(self) -> int:
         """How many sessions are live here."""
         return len(self._sessions)
+
+    def _note_where(self, session: LiveSession) -> None:
+        """Have it stored where the estimation of a session stands, now and then: a restart goes on from there."""
+        state = self._marks.due(session)
+        if state is not None:
+            self.writer.add_checkpoint(session.id, partial(pack, state))
+            self._marks.stored(session)
 
     # --- gateways ---------------------------------------------------------------------------------------
 

@@ -85,6 +85,22 @@ class SignalChunk(Base):
     data: Mapped[bytes] = mapped_column(LargeBinary)
 
 
+class LiveCheckpoint(Base):
+    """Where the estimation of a live session stood, committed with or after all packets and frames before it."""
+
+    __tablename__ = "live_checkpoint"
+
+    session_id: Mapped[str] = mapped_column(
+        ForeignKey("motion_session.id", ondelete="CASCADE"), primary_key=True
+    )
+    layout: Mapped[int] = mapped_column(Integer)
+    """Of the data; one that is not that of the reader is left, see `app.live.session.checkpoint`."""
+    sequence: Mapped[int] = mapped_column(BigInteger)
+    """First packet that is not in it."""
+    data: Mapped[bytes] = mapped_column(LargeBinary)
+    updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
+
+
 class SessionEvent(Identified, Base):
     """A change of state, a gap, a lost sensor, a mark or a calibration; shown on the time line."""
 

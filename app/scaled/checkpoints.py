@@ -1,21 +1,17 @@
-"""Checkpoints of live sessions in the database: written with the position of their stream, in one transaction."""
+"""Checkpoints of a partition's sessions: written with the position of their stream, in one transaction."""
 
 from collections.abc import Mapping
 from typing import Any, Final
 
-from sqlalchemy import Engine, delete, select, update
-from sqlalchemy.dialects.postgresql import insert
-from sqlalchemy.orm import Session
+from sqlalchemy import Engine, select, update
 
 from app.database.base import utc_now
-from app.database.unit_of_work import read_only
-from app.live.session.checkpoint import Checkpoint
 from app.live.session.states import OPEN
 from app.recordings.models import MotionSession
-from app.scaled.models import LiveCheckpoint, PartitionHold
+from app.recordings.signals.checkpoints import Checkpoint, write_checkpoints
+from app.scaled.models import PartitionHold
 
 _HOLDS: Final[Any] = PartitionHold.__table__
-_CHECKPOINTS: Final[Any] = LiveCheckpoint.__table__
 _SESSIONS: Final[Any] = MotionSession.__table__
 
 
@@ -38,44 +34,14 @@ def save(engine: Engine, partition: int, position: int, checkpoints: Mapping[str
         )
         if not checkpoints:
             return
-        there = set(
-            connection.scalars(
-                # Not deleted before this ends; who writes its state waits for nothing. Its holder closes it in a
-                # transaction of the same partition, which is over by now or comes after this one.
-                select(_SESSIONS.c.id)
-                .where(_SESSIONS.c.id.in_(checkpoints), _SESSIONS.c.state.in_(OPEN))
-                .with_for_update(read=True, key_share=True)
-            )
+        there = connection.scalars(
+            # Not deleted before this ends; who writes its state waits for nothing. Its holder closes it in a
+            # transaction of the same partition, which is over by now or comes after this one.
+            select(_SESSIONS.c.id)
+            .where(_SESSIONS.c.id.in_(checkpoints), _SESSIONS.c.state.in_(OPEN))
+            .with_for_update(read=True, key_share=True)
         )
-        rows = [
-            {
-                "session_id": session_id,
-                "layout": one.layout,
-                "sequence": one.sequence,
-                "data": one.data,
-                "updated_at": utc_now(),
-            }
-            for session_id, one in checkpoints.items()
-            if session_id in there
-        ]
-        if rows:
-            statement = insert(_CHECKPOINTS)
-            taken = {name: statement.excluded[name] for name in ("layout", "sequence", "data", "updated_at")}
-            connection.execute(
-                statement.on_conflict_do_update(index_elements=["session_id"], set_=taken), rows
-            )
+        write_checkpoints(connection, {name: checkpoints[name] for name in there})
 
 
-def load(engine: Engine, session_id: str) -> Checkpoint | None:
-    """Return where a session stood; None where nothing is known."""
-    with read_only(engine) as session:
-        found = session.get(LiveCheckpoint, session_id)
-        return None if found is None else Checkpoint(found.layout, found.sequence, bytes(found.data))
-
-
-def forget(session: Session, session_id: str) -> None:
-    """Delete the checkpoint of a session that is closed."""
-    session.execute(delete(LiveCheckpoint).where(LiveCheckpoint.session_id == session_id))
-
-
-__all__ = ["forget", "load", "save"]
+__all__ = ["save"]

@@ -1,8 +1,8 @@
-"""What the database knows of partitions: who may write for each, how far its stream is stored, where sessions stand."""
+"""What the database knows of partitions: who may write for each, and how far its stream is stored."""
 
 from datetime import datetime
 
-from sqlalchemy import BigInteger, ForeignKey, Integer, LargeBinary, String
+from sqlalchemy import BigInteger, Integer, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, UtcDateTime, utc_now
@@ -22,20 +22,4 @@ class PartitionHold(Base):
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
 
 
-class LiveCheckpoint(Base):
-    """Where the estimation of a live session stood, committed with the position of its stream."""
-
-    __tablename__ = "live_checkpoint"
-
-    session_id: Mapped[str] = mapped_column(
-        ForeignKey("motion_session.id", ondelete="CASCADE"), primary_key=True
-    )
-    layout: Mapped[int] = mapped_column(Integer)
-    """Of the data; one that is not that of the reader is left, see `app.live.session.checkpoint`."""
-    sequence: Mapped[int] = mapped_column(BigInteger)
-    """First packet that is not in it."""
-    data: Mapped[bytes] = mapped_column(LargeBinary)
-    updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
-
-
-__all__ = ["LiveCheckpoint", "PartitionHold"]
+__all__ = ["PartitionHold"]

@@ -13,13 +13,13 @@ from sqlalchemy.orm import Session
 from app.database.unit_of_work import read_only
 from app.live.guidance.taken_up import stood
 from app.live.repository import StoredSession
-from app.live.session.checkpoint import LAYOUT, Checkpoint
+from app.live.session.checkpoint import LAYOUT
 from app.live.session.streamed import Streamed
 from app.network.ranges import SequenceRanges
-from app.recordings.models import MotionSession, Result, SignalChunk
+from app.recordings.models import LiveCheckpoint, MotionSession, Result, SignalChunk
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, frames_stream
 from app.recordings.signals.store import Standing
-from app.scaled.models import LiveCheckpoint
 
 _LEDGERS: Final = text(
     """

@@ -10,10 +10,10 @@ from app.accounts.credentials.passwords import Passwords
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
-from app.live.session.checkpoint import Checkpoint
 from app.recordings.models import MotionSession
+from app.recordings.signals.checkpoints import Checkpoint, load_checkpoint
 from app.scaled import fencing
-from app.scaled.checkpoints import load, save
+from app.scaled.checkpoints import save
 from app.scaled.fencing import Fence, FencedError, fenced, take_over
 from tests.app.conftest import build_world
 
@@ -98,7 +98,7 @@ def test_only_sessions_that_are_open_have_a_checkpoint(
     with engine.begin() as other:
         other.execute(text("UPDATE motion_session SET packets_stored = 1"))
         save(held(engine, "first", []), PARTITION, 10, given)
-    assert [load(engine, name) for name in given] == [given["recording"], None, None]
+    assert [load_checkpoint(engine, name) for name in given] == [given["recording"], None, None]
 
 
 def test_reading_needs_no_right(named: Callable[[str], Engine]) -> None:

@@ -8,7 +8,7 @@ from sqlalchemy import select
 
 from app.database.engine import create_from_url
 from app.live.session import checkpoint
-from app.scaled.models import LiveCheckpoint
+from app.recordings.models import LiveCheckpoint
 from tests.patience import PATIENCE_S
 from tests.scaled.embedded import embedded_shown
 from tests.scaled.killing import streaming, whole_service

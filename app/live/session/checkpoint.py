@@ -23,6 +23,7 @@ from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
+from app.recordings.signals.checkpoints import Checkpoint
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
@@ -58,23 +59,6 @@ class State:
     key: bytes
     clock: tuple[int, int, int]
     arrays: Arrays
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """What is stored of one.
-
-    Parameters
-    ----------
-    layout : int
-    sequence : int
-        First packet that is not in it.
-    data : bytes
-    """
-
-    layout: int
-    sequence: int
-    data: bytes
 
 
 def key_of(pipeline: Pipeline, declaration: Declaration) -> bytes:
@@ -184,4 +168,4 @@ def _below(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
     return {name.removeprefix(prefix): one for name, one in arrays.items() if name.startswith(prefix)}
 
 
-__all__ = ["LAYOUT", "Checkpoint", "State", "capture", "key_of", "pack", "resume"]
+__all__ = ["LAYOUT", "State", "capture", "key_of", "pack", "resume"]

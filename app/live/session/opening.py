@@ -13,13 +13,13 @@ from app.live.bus import Bus
 from app.live.calibration.device_rows import with_known_devices
 from app.live.checks.plausibility import CheckProcess
 from app.live.guidance.opening import guide_session
-from app.live.session.checkpoint import Checkpoint
 from app.live.session.rebuild import rebuild
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
 from app.live.session.streamed import Streamed
 from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
+from app.recordings.signals.checkpoints import load_checkpoint
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.sentences import say
 from app.time_zones import UTC_NAME
@@ -61,8 +61,8 @@ class Opener:
     place : Place
     check : CheckProcess
         Where the first seconds are checked.
-    checkpoint : callable(session_id), optional
-        Reads where a session stood that moves from another machine; without, it is taken up as after a restart.
+    is_exact : bool
+        Sessions move from another machine while somebody watches: see `rebuild`.
     """
 
     engine: Engine
@@ -70,7 +70,7 @@ class Opener:
     bus: Bus
     place: Place
     check: CheckProcess
-    checkpoint: Callable[[str], Checkpoint | None] | None = None
+    is_exact: bool = False
 
     async def open(
         self,
@@ -161,9 +161,8 @@ class Opener:
     def _rebuild(self, session: LiveSession, streamed: Streamed | None) -> Exception | None:
         if streamed is not None:
             return rebuild(session, self.engine, streamed.checkpoint, streamed.chunks, is_exact=True)
-        if self.checkpoint is None:
-            return rebuild(session, self.engine)
-        return rebuild(session, self.engine, self.checkpoint(session.id), is_exact=True)
+        checkpoint = load_checkpoint(self.engine, session.id)
+        return rebuild(session, self.engine, checkpoint, is_exact=self.is_exact)
 
 
 def check_network(known: Declaration, declared: Declaration) -> None:

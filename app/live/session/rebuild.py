@@ -1,12 +1,11 @@
 """Taking a session up again after the service was restarted: the stored packets through the same live chain.
 
-With magnetometers the last minute is enough: orientation converges within it, and of the packets before it only so
-many are looked at as tell how the device's clock has run. Without them heading is what
-was integrated since calibration, so the whole session runs again. Clip levels that the check of the session
-found are in force again from the packets on from which they were.
-
-On many machines a session moves while somebody watches, and no bit may differ: it goes on from its checkpoint, and
-where there is none that fits, its packets are estimated again from the first.
+It goes on from its checkpoint, with the bits of one that was never interrupted. Where there is none that fits, and the
+session has magnetometers, the last minute is enough: orientation converges within it, and of the packets before it only
+so many are looked at as tell how the device's clock has run. Without them heading is what was integrated since
+calibration, so the whole session runs again; so does one that moves to another machine while somebody watches, because
+no bit may differ. Clip levels that the check of the session found are in force again from the packets on from which
+they were.
 """
 
 import math
@@ -16,13 +15,14 @@ from collections.abc import Sequence
 from sqlalchemy import Engine
 
 from app.errors import PacketError
-from app.live.session.checkpoint import Checkpoint, resume
+from app.live.session.checkpoint import resume
 from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import Admitted, PacketClock
 from app.network.packet import Packet
 from app.network.raw_packet import RawPacket
 from app.recordings.analysis.offline import decoded
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.store import packets_in_order, read_before_ending, read_packets_in_order
 from estimators.channels import Channel

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from app.live.guidance.taken_up import TakenUp
 from app.live.repository import StoredSession
-from app.live.session.checkpoint import Checkpoint
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.store import Standing
 

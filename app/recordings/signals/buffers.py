@@ -13,6 +13,7 @@ from app.errors import TelemotionError
 from app.network.packet_run import PacketRun
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import (
     MAX_CHUNK_TICKS,
     EncodedChunk,
@@ -40,6 +41,9 @@ class Batch:
     size: int
     raw: list[tuple[int, EncodedChunk]] = field(default_factory=list)
     frames: list[tuple[str, EncodedChunk]] = field(default_factory=list)
+    checkpoint: Callable[[], Checkpoint] | None = None
+    """Makes that of the session after all of this."""
+    packed: Checkpoint | None = None
     is_encoded: bool = False
     strides: Mapping[str, int] = field(default_factory=dict)
     """By result, how many ticks lie from one stored frame to the next; of others every tick is stored."""
@@ -70,6 +74,12 @@ class Batch:
             for result_id, parts in _frame_groups(self.frame_parts)
             if _has_kept(parts, stride := self.strides.get(result_id, 1))
         ]
+        if self.checkpoint is not None:
+            try:
+                self.packed = self.checkpoint()
+            except Exception:
+                # It saves time after a restart, no more: what was measured is stored without.
+                logger.exception("a checkpoint cannot be packed")
         self.is_encoded = True
         return next_chunk
 
@@ -102,6 +112,7 @@ class OpenSession:
     frame_parts: list[tuple[str, Frames]] = field(default_factory=list)
     events: list[dict[str, Any]] = field(default_factory=list)
     waiting: list[Future[SequenceRanges]] = field(default_factory=list)
+    checkpoint: Callable[[], Checkpoint] | None = None
     size: int = 0
     oldest_s: float | None = None
     is_urgent: bool = False
@@ -115,7 +126,7 @@ class OpenSession:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing waits."""
+        """Whether nothing waits; a checkpoint alone waits for what comes next."""
         return not (self.packets or self.frame_parts or self.events or self.waiting or self.repeat)
 
     @property
@@ -166,6 +177,7 @@ class OpenSession:
             return batch
         batch = Batch(self.packets, self.frame_parts, self.events, self.waiting, self.size)
         batch.strides = self.strides
+        batch.checkpoint, self.checkpoint = self.checkpoint, None
         self.packets, self.frame_parts, self.events, self.waiting = [], [], [], []
         self.size, self.oldest_s, self.is_urgent = 0, None, False
         return batch

@@ -24,6 +24,7 @@ session by session, the failing one is reported to its `on_failure` and takes no
 import logging
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from itertools import chain, count
 from typing import Any, Final
@@ -31,6 +32,7 @@ from typing import Any, Final
 from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 
+from app.database.unit_of_work import read_only
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.network.packet_run import PacketRun
 from app.network.ranges import SequenceRanges
@@ -43,6 +45,7 @@ from app.recordings.signals.buffers import (
     event_row,
     tell,
 )
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import check_packet
 from app.recordings.signals.metrics import WriterMetrics
 from app.recordings.signals.rows import AlreadyStoredError, write_batch, write_batches
@@ -145,8 +148,8 @@ class GroupCommitWriter:
                 known.on_durable, known.on_failure = on_durable, on_failure
                 return known.durable.copy()
         if standing is None:
-            with self._engine.connect() as connection:
-                standing = read_standing(connection, session_id)
+            with read_only(self._engine) as reader:
+                standing = read_standing(reader, session_id)
         durable = standing.durable.copy()
         opened = OpenSession(
             session_id=session_id,
@@ -234,6 +237,18 @@ class GroupCommitWriter:
             session.add_frames(result_id, frames, size)
             self._count_queued(session, size)
             return True
+
+    def add_checkpoint(self, session_id: str, made: Callable[[], Checkpoint]) -> None:
+        """Take where a session stands after all that it gave so far; committed with the last of it, never before.
+
+        Parameters
+        ----------
+        session_id : str
+        made : callable()
+            Makes what is stored; called in the writer's thread.
+        """
+        with self._mutex:
+            self._open(session_id).checkpoint = made
 
     def add_event(
         self,

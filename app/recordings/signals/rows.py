@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from app.errors import Conflict
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.signals.buffers import Batch
+from app.recordings.signals.checkpoints import write_checkpoints
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk
 from app.sentences import say
 
@@ -107,6 +108,7 @@ def _write_rest(connection: Connection, batches: Sequence[tuple[str, Batch]], st
     added = [{"of_session": session_id, "added": count} for session_id, count in stored.items() if count]
     if added:
         connection.execute(_COUNT_PACKETS, added)
+    write_checkpoints(connection, {name: batch.packed for name, batch in batches if batch.packed is not None})
 
 
 def _row(session_id: str, stream: str, sequence: int, chunk: EncodedChunk) -> dict[str, Any]:

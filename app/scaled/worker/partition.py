@@ -17,16 +17,16 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import TelemotionError
 from app.live.bus import MemoryBus
 from app.live.session.checkpoint import pack
+from app.live.session.marks import Marks
 from app.recordings.service import queue_closing
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.broker import Broker, stream_name
-from app.scaled.checkpoints import forget, save
+from app.scaled.checkpoints import save
 from app.scaled.fencing import Fence, fenced, take_over
 from app.scaled.wire import Answer, Request, decode_entries, subject
 from app.scaled.worker.connections import Connections
 from app.scaled.worker.ending import end
 from app.scaled.worker.entries import Entries
-from app.scaled.worker.marks import Marks
 from app.scaled.worker.outlet import Outlet
 from app.scaled.worker.post import Post
 from app.scaled.worker.questions import Questions
@@ -36,6 +36,8 @@ from app.scaled.worker.sessions import OfWorker, PartitionSessions
 logger = logging.getLogger(__name__)
 
 CHECKPOINT_S: Final = 2.0
+MARK_S: Final = 5.0
+"""Of a session, with every third commit of what came: at most six seconds are estimated again of one that moves."""
 COMMIT_S: Final = 0.5
 """Longest time until an event is stored. Packets and frames are stored at checkpoints, all sessions in one commit: they
 are acknowledged already, and a commit costs as much for one session as for ten."""
@@ -89,7 +91,7 @@ class Partition:
         """Messages of the stream behind it."""
         self._tasks: list[asyncio.Task[None]] = []
         self._subscriptions: list[Subscription] = []
-        self._marks = Marks()
+        self._marks = Marks(MARK_S)
         self._is_set_up = False
         self._has_ended = False
 
@@ -109,7 +111,6 @@ class Partition:
         def analyse(session_id: str) -> None:
             with unit_of_work(engine) as session:
                 queue_closing(session, session_id)
-                forget(session, session_id)
 
         self.sessions = PartitionSessions(engine, self._writer, bus, analyse, self._drain, self._shared)
         self._outlet = Outlet(self._post, bus, self.number, fencing)
@@ -229,14 +230,16 @@ class Partition:
         sessions = self.sessions.sessions
         for session in sessions:
             session.settle()
-        states = self._marks.due(sessions, everything=is_last)
+        due = {one: self._marks.due(one, is_forced=is_last) for one in sessions}
+        states = {one: state for one, state in due.items() if state is not None}
         flushed = [self._writer.flush(one.id) for one in sessions if not one.has_store_failed]
         await asyncio.gather(*map(asyncio.wrap_future, flushed))
         for session in sessions:
             await session.saved()
-        packed = await asyncio.to_thread(lambda: {name: pack(one) for name, one in states.items()})
+        packed = await asyncio.to_thread(lambda: {one.id: pack(state) for one, state in states.items()})
         await asyncio.to_thread(save, self._fenced, self.number, position, packed)
-        self._marks.stored(list(packed))
+        for session in states:
+            self._marks.stored(session)
         self._stored = position
         await self._broker.streams.purge_stream(stream_name(self.number), seq=position + 1)
 

@@ -5,7 +5,6 @@ import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Final
 
 from sqlalchemy import Engine
@@ -18,9 +17,9 @@ from app.live.manager import LiveManager, Shared
 from app.live.messages import StateMessage
 from app.live.repository import StoredSession
 from app.live.session.opening import Place
+from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.scaled import checkpoints
 from app.scaled.taking_up import read_streamed
 from app.scaled.wire import partition_of
 from app.settings import Settings
@@ -78,7 +77,7 @@ class PartitionSessions(LiveManager):
             confirmation_hours=settings.implant_confirmation_hours,
             shared=shared,
         )
-        self._opener = replace(self._opener, checkpoint=partial(checkpoints.load, engine))
+        self._opener = replace(self._opener, is_exact=True)
         self._drain = drain
         self._draining: dict[str, asyncio.Task[None]] = {}
 
@@ -132,6 +131,10 @@ class PartitionSessions(LiveManager):
     def behind(self, is_behind: Callable[[], bool]) -> None:
         """Have nobody taken for silent while packets that have arrived are still to be read."""
         self._housekeeping.is_behind = is_behind
+
+    def _note_where(self, session: LiveSession) -> None:
+        # Checkpoints are stored with the position of the stream.
+        pass
 
     async def closed(self) -> None:
         """Wait until the sessions that are being closed are."""

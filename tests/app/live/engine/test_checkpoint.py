@@ -13,11 +13,12 @@ from app.limits import Limits
 from app.live import repository
 from app.live.bus import MemoryBus, topic
 from app.live.manager import LiveManager
-from app.live.session import rebuild
-from app.live.session.checkpoint import Checkpoint, State, capture, pack, resume
+from app.live.session import opening, rebuild
+from app.live.session.checkpoint import State, capture, pack, resume
 from app.live.session.runner import LiveSession
 from app.live.warmup import FIRST, warm_up
 from app.network.declaration import Declaration
+from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from tests.app.live.engine.both_ways import Faults, Sender, offer, packets_of, worn
@@ -70,7 +71,7 @@ Choose = Callable[[State], Checkpoint | None]
 
 
 async def moved_and_not(
-    machine: Callable[[], LiveManager], world: Any, engine: Engine, choose: Choose
+    machine: Callable[[], LiveManager], world: Any, engine: Engine, choose: Choose, patch: Any
 ) -> Any:
     """Give one stream to a session that stays and to one that moves; return what both showed since, and the states."""
     calibration, whole = swaying(SECONDS)
@@ -95,7 +96,8 @@ async def moved_and_not(
         await asyncio.wrap_future(first.writer.flush(old.id))
         await old.saved()
 
-        second._opener = replace(second._opener, checkpoint=lambda _: choose(state))
+        second._opener = replace(second._opener, is_exact=True)
+        patch.setattr(opening, "load_checkpoint", lambda *_: choose(state))
         stored = await asyncio.to_thread(repository.load, engine, old.id)
         new = await second.join(stored, Declaration.from_dict(stored.hello or {}))
         listeners = [
@@ -163,7 +165,7 @@ def test_no_bit_differs_after_a_move(
         return resumed[-1]
 
     monkeypatch.setattr(rebuild, "resume", noted)
-    shown, states = asyncio.run(moved_and_not(machine, world, engine, choose))
+    shown, states = asyncio.run(moved_and_not(machine, world, engine, choose, monkeypatch))
     assert resumed == [goes_on]
     assert len(shown[0]["ticks"]) > 500
     assert shown[0] == shown[1]

@@ -14,6 +14,7 @@ from app.network.raw_packet import RawPacket
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.recordings.signals.store import read_before_ending, read_packets_in_order
 from estimators.channels import Channel
+from tests.patience import PATIENCE_S
 
 PACKETS, CHUNK, TICKS, INTERVAL_US = 1800, 60, 5, 1_000_000
 START_US = 2**32 - 10_000_000
@@ -45,7 +46,7 @@ def test_the_clock_stands_where_all_packets_put_it(
     for start in range(0, PACKETS, CHUNK):
         for number in order[start : start + CHUNK]:
             assert writer.append_packet(session_id, sent[number])
-        writer.flush(session_id).result(10)
+        writer.flush(session_id).result(PATIENCE_S)
     whole = PacketClock(Declaration(("sternum", "upper_arm_right", "forearm_right"), 100.0))
     for one in read_packets_in_order(engine, session_id):
         whole.admit(one)
@@ -76,7 +77,7 @@ def test_where_a_channel_is_missing_it_begins_with_the_first_packet(
     writer.open_session(session_id)
     for number in range(3):
         writer.append_packet(session_id, packet(number))
-        writer.flush(session_id).result(10)
+        writer.flush(session_id).result(PATIENCE_S)
     has = packet(0).channel_mask
     assert read_before_ending(engine, session_id, 1, has)[0] == 2
     assert read_before_ending(engine, session_id, 1, has | Channel.FORCE) == (0, [])

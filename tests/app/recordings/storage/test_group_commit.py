@@ -80,7 +80,7 @@ def test_packets_come_back_in_the_order_of_arrival(
     writer.open_session(session_id)
     for one in sent:
         assert writer.append_packet(session_id, one)
-    assert writer.flush(session_id).result(10) == SequenceRanges([(0, 60)])
+    assert writer.flush(session_id).result(PATIENCE_S) == SequenceRanges([(0, 60)])
     assert list(read_packets(engine, session_id)) == sent
     assert [p.sequence for p in read_packets_in_order(engine, session_id)] == list(range(60))
     with engine.connect() as connection:
@@ -94,10 +94,10 @@ def test_a_duplicate_is_not_stored_twice_while_waiting_nor_later(
     writer.open_session(session_id)
     assert writer.append_packet(session_id, packet(1))
     assert not writer.append_packet(session_id, packet(1))
-    writer.flush(session_id).result(10)
+    writer.flush(session_id).result(PATIENCE_S)
     assert not writer.append_packet(session_id, packet(1))
     assert writer.append_packet(session_id, packet(0))
-    writer.flush(session_id).result(10)
+    writer.flush(session_id).result(PATIENCE_S)
     assert [p.sequence for p in read_packets(engine, session_id)] == [1, 0]
     assert writer.metrics.packets_duplicate == 2
 
@@ -135,7 +135,7 @@ def test_the_ledger_is_read_back_after_a_restart(
     first.open_session(session_id)
     for n in (0, 1, 2, 5, 6, 9):
         first.append_packet(session_id, packet(n))
-    first.flush(session_id).result(10)
+    first.flush(session_id).result(PATIENCE_S)
     first.append_packet(session_id, packet(7))
     # No close: like a killed process, what waited is lost and was never acknowledged.
     reopened = create_from_url(str(engine.url))
@@ -144,7 +144,7 @@ def test_the_ledger_is_read_back_after_a_restart(
     assert second.open_session(session_id) == SequenceRanges([(0, 3), (5, 7), (9, 10)])
     sent_again = [n for n in range(10) if second.append_packet(session_id, packet(n))]
     assert sent_again == [3, 4, 7, 8]
-    second.flush(session_id).result(10)
+    second.flush(session_id).result(PATIENCE_S)
     stored = list(read_packets(reopened, session_id))
     assert sorted(p.sequence for p in stored) == list(range(10))
     assert all(p == packet(p.sequence) for p in stored)
@@ -166,14 +166,14 @@ def test_a_deleted_session_fails_alone(
     writer.append_packet(gone, packet(0))
     writer.append_packet(good, packet(0))
     lost, kept = writer.flush(gone), writer.flush(good)
-    assert kept.result(10) == SequenceRanges([(0, 1)])
+    assert kept.result(PATIENCE_S) == SequenceRanges([(0, 1)])
     with pytest.raises(Conflict, match="session no longer exists"):
-        lost.result(10)
+        lost.result(PATIENCE_S)
     assert failures == ["The session no longer exists."]
     with pytest.raises(Conflict):
         writer.append_packet(gone, packet(1))
     assert writer.append_packet(good, packet(1))
-    assert writer.flush(good).result(10) == SequenceRanges([(0, 2)])
+    assert writer.flush(good).result(PATIENCE_S) == SequenceRanges([(0, 2)])
     assert writer.metrics.queued_bytes == 0
 
 
@@ -200,8 +200,8 @@ def test_a_failing_disk_loses_nothing(engine: Engine, new_session: Callable[...,
     assert writer.append_packet(session_id, packet(10))
     assert not writer.append_packet(session_id, packet(3))
     broken.clear()
-    assert future.result(10) == SequenceRanges([(0, 10)])
-    assert writer.flush(session_id).result(10) == SequenceRanges([(0, 11)])
+    assert future.result(PATIENCE_S) == SequenceRanges([(0, 10)])
+    assert writer.flush(session_id).result(PATIENCE_S) == SequenceRanges([(0, 11)])
     assert [p.sequence for p in read_packets(engine, session_id)] == list(range(11))
     writer.close()
 
@@ -223,7 +223,7 @@ def test_a_full_queue_refuses_and_takes_again_later(
     assert writer.append_packet(other, packet(0))
     assert writer.metrics.packets_refused == 1
     writer.start()
-    writer.flush(session_id).result(10)
+    writer.flush(session_id).result(PATIENCE_S)
     assert writer.append_packet(session_id, packet(3))
     writer.close()
     assert stored_ranges(engine, session_id) == SequenceRanges([(0, 4)])
@@ -275,7 +275,7 @@ def test_a_closed_session_is_forgotten_when_all_is_stored(
     writer.append_packet(session_id, packet(0))
     future = writer.flush(session_id)
     writer.close_session(session_id)
-    assert future.result(10) == SequenceRanges([(0, 1)])
+    assert future.result(PATIENCE_S) == SequenceRanges([(0, 1)])
     writer.close_session(session_id)
     with pytest.raises(Conflict, match="not open"):
         writer.append_packet(session_id, packet(1))
@@ -298,7 +298,7 @@ def test_many_sessions_share_commits(engine: Engine, new_session: Callable[..., 
     for thread in threads:
         thread.join()
     for future in [writer.flush(session_id) for session_id in sessions]:
-        assert future.result(10) == SequenceRanges([(0, 50)])
+        assert future.result(PATIENCE_S) == SequenceRanges([(0, 50)])
     # Far fewer transactions than chunks or sessions times packets.
     assert writer.metrics.commits <= 20
     assert writer.metrics.packets_stored == 400
@@ -311,7 +311,7 @@ def test_a_damaged_chunk_is_noticed_when_read(
     session_id = new_session()
     writer.open_session(session_id)
     writer.append_packet(session_id, packet(0))
-    writer.flush(session_id).result(10)
+    writer.flush(session_id).result(PATIENCE_S)
     with unit_of_work(engine) as session:
         chunk = session.scalars(select(SignalChunk)).one()
         chunk.data = chunk.data[:-1] + bytes([chunk.data[-1] ^ 1])
@@ -327,7 +327,7 @@ def test_changing_shapes_start_new_chunks(
     sent = [packet(0), packet(1), packet(2, counts=False), packet(3, ticks=2), packet(4, sensors=2)]
     for one in sent:
         writer.append_packet(session_id, one)
-    writer.flush(session_id).result(10)
+    writer.flush(session_id).result(PATIENCE_S)
     assert list(read_packets(engine, session_id)) == sent
     with engine.connect() as connection:
         assert connection.scalar(select(func.count()).select_from(SignalChunk)) == 4
