@@ -121,8 +121,8 @@ def give_ticket(
     confirmation_hours: float = CONFIRMATION_HOURS,
 ) -> tuple[str, datetime]:
     """Issue a one-use ticket for `ingest` or `live` to a subject who has the right to it."""
-    # After a restart all gateways and views ask at once: the lock of those who write is held for the ticket alone. Rights
-    # are checked again when it is used.
+    # After a restart all gateways and views ask at once: the lock of those who write is held for the ticket alone.
+    # Rights are checked again when it is used.
     with read_only(engine) as session:
         row = _row(session, session_id)
         try:
