@@ -73,7 +73,7 @@ function Row({ row }: { row: CaseloadRow }) {
         <Practised percent={row.adherence_percent ?? null} />
       </td>
       <td data-label={t('caseload.last')}>{day(row.last_session_at ?? null)}</td>
-      <td data-label={t('caseload.due')} className="wide">
+      <td data-label={t('caseload.due')} className="due wide">
         {row.due || <span className="muted">{t('caseload.nothingDue')}</span>}
       </td>
       <td className="wide">
