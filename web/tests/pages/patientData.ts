@@ -5,6 +5,7 @@ import type {
   CalibrationMessage,
   Comparison,
   Exercise,
+  GuidanceMessage,
   HealthMessage,
   LayoutMessage,
   LiveMessage,
@@ -222,6 +223,24 @@ export const layoutMessage = {
   rate_hz: 100,
   delay_s: 0.4,
 } as unknown as LayoutMessage;
+export const guidance = (change: Partial<GuidanceMessage> = {}): GuidanceMessage => ({
+  sentences: {},
+  type: 'guidance',
+  status: 'ready',
+  cause: '',
+  time_s: 12,
+  phase: null,
+  sigma: null,
+  ghost_phase: 0,
+  counts: { valid: 2, partial: 1, wrong: 0 },
+  goal: 10,
+  before: 0,
+  last: 'valid',
+  cue: '',
+  cue_number: 0,
+  ...change,
+});
+
 export const health: HealthMessage = {
   type: 'health',
   sensors: [

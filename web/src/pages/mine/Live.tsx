@@ -99,7 +99,7 @@ function PutOn({ session }: { session: SessionDetail }) {
 }
 
 /** Sensors that need a hand; nothing while all is well. */
-function Sensors({ health }: { health: HealthMessage | null }) {
+function Sensors({ health, isResting }: { health: HealthMessage | null; isResting: boolean }) {
   const places = (wanted: (one: HealthMessage['sensors'][number]) => boolean) =>
     placementList((health?.sensors ?? []).filter(wanted).map((one) => one.placement));
   const lost = places((one) => one.status === 'lost');
@@ -108,7 +108,7 @@ function Sensors({ health }: { health: HealthMessage | null }) {
   );
   if (!lost && !empty) return null;
   return (
-    <div className="banner banner-alert" role="alert">
+    <div className={`banner ${isResting ? 'banner-note' : 'banner-alert'}`} role={isResting ? undefined : 'alert'}>
       <div>
         {lost && <p>{t('home.sensorLost', { places: lost })}</p>}
         {empty && <p>{t('home.sensorEmpty', { places: empty })}</p>}
@@ -163,6 +163,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isBad = BAD.includes(moment);
   // What measures here says itself that nothing is lost; this page alone would not know.
   const isStoredHere = moment === 'lost' && measuringFor(session.id) !== null;
+  // Who rests needs no signal: that it is missing stands large as soon as she goes on.
+  const isResting = isDoing && hold.held !== null && hold.held !== 'lost';
+  const isWaiting = moment === 'putOn' || (moment === 'silent' && !isResting);
   return (
     <div className={isDoing ? 'stack doing' : 'stack'}>
       {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
@@ -173,10 +176,16 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </div>
         </div>
       )}
-      {isDoing && (!isBad || hold.held !== null) && (
-        <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
+      {isDoing && (!isBad || isResting) && (
+        <NowLine
+          guidance={guidance}
+          hold={hold}
+          missing={moment === 'silent' || (moment === 'lost' && !isStoredHere) ? moment : null}
+          onFinish={() => deed.mutate('end')}
+          isEnding={deed.isPending}
+        />
       )}
-      {(!isDoing || isBad) && !isStoredHere && (
+      {(!isDoing || isBad) && !isResting && !isStoredHere && (
         <section
           className={`card home-moment ${isBad ? 'home-moment-bad' : ''} ${GREEN.includes(moment) ? 'home-moment-green' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
         >
@@ -266,14 +275,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       <Suspense fallback={null}>
         <ConnectSensors
           session={session}
-          isWaiting={moment === 'putOn' || moment === 'silent'}
+          isWaiting={isWaiting}
           isMidway={records}
           box={moment === 'putOn' && <PutOn session={session} />}
         />
       </Suspense>
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
-          {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
+          {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} isResting={isResting} />}
           {isDoing && isGuided(guidance) && <Count guidance={guidance} />}
           <Viewer3D
             sessionId={session.id}

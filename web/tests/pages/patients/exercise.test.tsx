@@ -11,31 +11,12 @@ import { Controls, Count, NowLine } from '../../../src/pages/mine/exercise/Doing
 import { momentOf } from '../../../src/pages/mine/moment';
 import { heldBy, useHold } from '../../../src/pages/mine/exercise/useHold';
 import { analystWordsIn } from '../analystWords';
+import { guidance as said } from '../patientData';
 
 afterEach(() => {
   vi.unstubAllGlobals();
   localStorage.clear();
 });
-
-function said(change: Partial<GuidanceMessage> = {}): GuidanceMessage {
-  return {
-    sentences: {},
-    type: 'guidance',
-    status: 'ready',
-    cause: '',
-    time_s: 12,
-    phase: null,
-    sigma: null,
-    ghost_phase: 0,
-    counts: { valid: 2, partial: 1, wrong: 0 },
-    goal: 10,
-    before: 0,
-    last: 'valid',
-    cue: '',
-    cue_number: 0,
-    ...change,
-  };
-}
 
 let asked: [string, unknown][] = [];
 let onFinish = vi.fn();

@@ -9,7 +9,7 @@ import { routes } from '../../../src/App';
 import { ownPage } from '../../../src/components/ByRole';
 import type { Exercise, LiveMessage, SessionDetail, SessionState } from '../../../src/api/types';
 import { analystWordsIn } from '../analystWords';
-import { answers, guide, health, layoutMessage, stateMessage } from '../patientData';
+import { answers, guidance, guide, health, layoutMessage, stateMessage } from '../patientData';
 
 // Each page is a piece of the program that is compiled when it is first opened.
 vi.setConfig({ testTimeout: 20_000 });
@@ -187,6 +187,35 @@ describe('a patient', () => {
     expect((await screen.findByText('Not being stored')).closest('[role=alert]')).toBeTruthy();
     expect(screen.queryByText('Your movement is being stored.')).toBeNull();
     expect(await read()).toEqual([]);
+  });
+
+  it('rests without a signal in peace, and reads large that it is missing once she goes on', async () => {
+    open('/my/sessions/s/live', { state: 'recording', recording_end_s: null });
+    await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));
+    const silent = stateMessage('link_lost', { recording_start_s: 3 });
+    say(silent, guidance({ status: 'paused', cause: 'person' }));
+    expect(await screen.findByRole('heading', { name: 'Take a break' })).toBeTruthy();
+    expect(screen.getByText(/^No signal from the sensors at the moment/).closest('[role]')).toBeNull();
+    expect(screen.queryByRole('heading', { name: 'No signal from the sensors' })).toBeNull();
+    expect(screen.queryByRole('heading', { name: 'Did this device measure?' })).toBeNull();
+    expect(await read()).toEqual([]);
+    // What only lasts until the sensors are seen again is no rest.
+    say(guidance({ status: 'paused', cause: 'lost' }));
+    expect(screen.getByRole('heading', { name: 'No signal from the sensors' })).toBeTruthy();
+    say(guidance({ status: 'waiting' }));
+    expect(screen.getByRole('heading', { name: 'No signal from the sensors' })).toBeTruthy();
+    expect(screen.queryByText(/at the moment. It only matters/)).toBeNull();
+    expect(screen.getByRole('heading', { name: 'Did this device measure?' })).toBeTruthy();
+  });
+
+  it('reads quietly that a sensor is lost while she rests, and as an alert when she goes on', async () => {
+    open('/my/sessions/s/live', { state: 'recording', recording_end_s: null });
+    await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));
+    const lost = { ...health, sensors: health.sensors.map((one) => ({ ...one, status: 'lost' as const })) };
+    say(stateMessage('recording', { recording_start_s: 3 }), lost, guidance({ status: 'paused', cause: 'set' }));
+    expect((await screen.findByText(/^No signal from:/)).closest('[role=alert]')).toBeNull();
+    say(guidance({ status: 'waiting' }));
+    expect(screen.getByText(/^No signal from:/).closest('[role=alert]')).toBeTruthy();
   });
 
   it('reads that nothing is known while the service is out of reach', async () => {

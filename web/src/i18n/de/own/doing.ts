@@ -26,6 +26,8 @@ export const doing: Translated<typeof english> = {
     'Ihre Praxis konnte noch nicht benachrichtigt werden. Ruhen Sie sich aus; auf dieser Seite wird nichts gezählt.',
   'doing.held.person': 'Machen Sie eine Pause',
   'doing.held.person.text': 'Es wird nichts gezählt, bis Sie weitermachen.',
+  'doing.held.without.silent': 'Im Moment kein Signal von den Sensoren. Das ist nur wichtig, wenn Sie weitermachen.',
+  'doing.held.without.lost': 'Im Moment keine Verbindung zu Ihrer Praxis. Diese Seite versucht es von selbst weiter.',
   'doing.held.finish': 'Für heute beenden?',
   'doing.held.finish.text': 'Es wird nichts gezählt, bis Sie sich entscheiden.',
   'doing.held.pain': 'Hören Sie auf und ruhen Sie sich aus',

@@ -22,6 +22,8 @@ export const doing = {
   'doing.notReached': 'Your clinic could not be reached yet. Rest; nothing is counted on this page.',
   'doing.held.person': 'Take a break',
   'doing.held.person.text': 'Nothing is counted until you go on.',
+  'doing.held.without.silent': 'No signal from the sensors at the moment. It only matters if you go on.',
+  'doing.held.without.lost': 'No connection to your clinic at the moment. This page tries again by itself.',
   'doing.held.finish': 'Finish for today?',
   'doing.held.finish.text': 'Nothing is counted until you decide.',
   'doing.held.pain': 'Stop and rest',

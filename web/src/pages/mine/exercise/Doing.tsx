@@ -55,11 +55,13 @@ function leftOf(guidance: GuidanceMessage | null): number {
 interface NowProps {
   guidance: GuidanceMessage | null;
   hold: Hold;
+  /** What would be missing if she went on now. */
+  missing?: 'silent' | 'lost' | null;
   onFinish: () => void;
   isEnding: boolean;
 }
 
-function HeldCard({ guidance, hold, onFinish, isEnding }: NowProps) {
+function HeldCard({ guidance, hold, missing, onFinish, isEnding }: NowProps) {
   const held = hold.held ?? 'person';
   const isOver = held === 'done' || held === 'enough' || held === 'time' || held === 'finish';
   const goOn = (
@@ -95,10 +97,12 @@ function HeldCard({ guidance, hold, onFinish, isEnding }: NowProps) {
         <p>{held === 'set' ? t('doing.held.set.text', { count: leftOf(guidance) }) : t(`doing.held.${held}.text`)}</p>
         {held === 'pain' && hold.isPainKnown && <p>{t('doing.held.pain.known')}</p>}
       </div>
-      {hold.isUnreached && (
+      {hold.isUnreached ? (
         <p className="problem" role="alert">
           {t('doing.notReached')}
         </p>
+      ) : (
+        missing && <p className="muted">{t(`doing.held.without.${missing}`)}</p>
       )}
       <div className="doing-choice">{isOver || held === 'pain' ? [finish, goOn] : [goOn, finish]}</div>
     </section>
@@ -136,8 +140,9 @@ function Buttons({ hold }: { hold: Hold }) {
 }
 
 /** What to do now, or why nothing is counted, and what can be done about it. */
-export function NowLine({ guidance, hold, onFinish, isEnding }: NowProps) {
-  if (hold.held !== null) return <HeldCard guidance={guidance} hold={hold} onFinish={onFinish} isEnding={isEnding} />;
+export function NowLine(props: NowProps) {
+  const { guidance, hold } = props;
+  if (hold.held !== null) return <HeldCard {...props} />;
   return (
     <p
       className={guidance?.cue ? 'doing-line doing-cue' : 'doing-line'}
