@@ -2,7 +2,7 @@
 import { Button, UnstyledButton } from '@mantine/core';
 import { IconBluetooth, IconDeviceMobile, IconRouter } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
-import { lazy, Suspense, useEffect, useState, type ReactNode } from 'react';
+import { lazy, Suspense, useState, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
 import { api } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
@@ -16,7 +16,7 @@ import { type Owner, SensorRun } from './run';
 import { SensorFault } from './source';
 import { SensorStatus } from './SensorStatus';
 import './sensors.css';
-import { giveUpTurn, isTurnElsewhere, takeTurn } from './turn';
+import { giveUpTurn, takeTurn } from './turn';
 import { useRun } from './useRun';
 
 type Way = 'phone' | 'bluetooth' | 'box';
@@ -189,21 +189,6 @@ function WithBluetooth({ session, onRun }: { session: SessionDetail; onRun: (run
   );
 }
 
-const LOOK_MS = 2000;
-
-/** Whether another window measures, looked at while this one could begin. */
-function useElsewhere(isAsked: boolean): boolean {
-  const [isElsewhere, setElsewhere] = useState(false);
-  useEffect(() => {
-    if (!isAsked) return;
-    const look = () => void isTurnElsewhere().then(setElsewhere, () => setElsewhere(false));
-    look();
-    const again = setInterval(look, LOOK_MS);
-    return () => clearInterval(again);
-  }, [isAsked]);
-  return isAsked && isElsewhere;
-}
-
 /**
  * For the page of a live session. Until something measures here it shows how to begin with the clinic's box, and the
  * other ways; then what is stored and sent.
@@ -225,16 +210,8 @@ export default function ConnectSensors({
   const [run, snapshot, setRun] = useRun(session.id);
   const [way, setWay] = useState<Way | null>(null);
   const place = phonePlace(session);
-  const isElsewhere = useElsewhere(isWaiting && !snapshot?.gateway);
   if (run && snapshot?.gateway) return <SensorStatus run={snapshot} />;
   if (!isWaiting) return null;
-  if (isElsewhere)
-    return (
-      <section className="card" role="status">
-        <h2>{t('sensors.elsewhere')}</h2>
-        <p>{t('sensors.fault.otherWindow')}</p>
-      </section>
-    );
   if (way === null)
     return (
       <>

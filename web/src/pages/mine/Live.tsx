@@ -27,6 +27,7 @@ import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
 import { WearPicture } from '../../pictures/WearPicture';
 import { useCalibrating } from '../calibration/useCalibrating';
+import { Elsewhere, useElsewhere } from '../../sensors/Elsewhere';
 import { measuringFor, sendRest } from '../../sensors/registry';
 import { Controls, Count, isGuided, NowLine } from './exercise/Doing';
 import { useHold } from './exercise/useHold';
@@ -166,6 +167,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   // Who rests needs no signal: that it is missing stands large as soon as she goes on.
   const isResting = isDoing && hold.held !== null && hold.held !== 'lost';
   const isWaiting = moment === 'putOn' || (moment === 'silent' && !isResting);
+  const isElsewhere = useElsewhere(isWaiting);
   return (
     <div className={isDoing ? 'stack doing' : 'stack'}>
       {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
@@ -185,7 +187,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           isEnding={deed.isPending}
         />
       )}
-      {(!isDoing || isBad) && !isResting && !isStoredHere && (
+      {isElsewhere && <Elsewhere />}
+      {(!isDoing || isBad) && !isResting && !isStoredHere && !isElsewhere && (
         <section
           className={`card home-moment ${isBad ? 'home-moment-bad' : ''} ${GREEN.includes(moment) ? 'home-moment-green' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
         >
@@ -275,7 +278,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       <Suspense fallback={null}>
         <ConnectSensors
           session={session}
-          isWaiting={isWaiting}
+          isWaiting={isWaiting && !isElsewhere}
           isMidway={records}
           box={moment === 'putOn' && <PutOn session={session} />}
         />

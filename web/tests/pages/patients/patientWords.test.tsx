@@ -218,6 +218,22 @@ describe('a patient', () => {
     expect(screen.getByText(/^No signal from:/).closest('[role=alert]')).toBeTruthy();
   });
 
+  it('reads one thing where another window measures, and the steps once that is closed', async () => {
+    const held = [{ name: 'telemotion.measuring' }];
+    vi.stubGlobal('navigator', {
+      ...navigator,
+      locks: { query: () => Promise.resolve({ held }), request: () => Promise.resolve() },
+    });
+    open('/my/sessions/s/live', { state: 'created', recording_start_s: null, recording_end_s: null });
+    expect(await screen.findByRole('heading', { name: 'You are measuring in another window' })).toBeTruthy();
+    expect(screen.queryByRole('heading', { name: 'Put on the sensors' })).toBeNull();
+    expect(screen.queryByRole('button', { name: /Bluetooth sensors/ })).toBeNull();
+    expect(await read()).toEqual([]);
+    held.pop();
+    expect(await screen.findByRole('heading', { name: 'Put on the sensors' }, { timeout: 5000 })).toBeTruthy();
+    expect(await screen.findByRole('button', { name: /Bluetooth sensors/ })).toBeTruthy();
+  });
+
   it('reads that nothing is known while the service is out of reach', async () => {
     open('/my/sessions/s/live', { state: 'recording', recording_end_s: null });
     await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));

@@ -70,6 +70,7 @@ export const sensors: Translated<typeof english> = {
   'sensors.unsentSent': 'Was auf diesem Gerät gespeichert war, ist an Ihre Praxis gesendet. Es fehlt nichts.',
   'sensors.takenOver': 'Für diese Übung misst jetzt ein anderes Gerät.',
   'sensors.elsewhere': 'Sie messen in einem anderen Fenster',
+  'sensors.elsewhereText': 'Machen Sie dort weiter. Wenn Sie es schließen, können Sie hier weitermachen.',
   'sensors.unsentOver':
     'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Ihre Praxis nimmt es nicht mehr an. Es bleibt hier, bis Sie es löschen.',
   'sensors.unsentDelete': 'Von diesem Gerät löschen',

@@ -59,6 +59,7 @@ export const sensors = {
   'sensors.unsentSent': 'What was stored on this device has been sent to your clinic. Nothing is missing.',
   'sensors.takenOver': 'Another device is measuring for this exercise now.',
   'sensors.elsewhere': 'You are measuring in another window',
+  'sensors.elsewhereText': 'Go on in that window. If you close it, you can go on here.',
   'sensors.unsentOver':
     'Still on this device: {seconds} of movement from an earlier exercise. Your clinic does not take it any more. It stays here until you delete it.',
   'sensors.unsentDelete': 'Delete from this device',
