@@ -59,8 +59,9 @@ export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; 
     return (
       <Banner title={t('live.viewLost', { time: clockTimeS(lostSinceS) })}>
         <p>{t('live.viewLostText')}</p>
+        <p>{t('live.retrying')}</p>
         <p>
-          {t('live.retrying')} <Lasting sinceS={lostSinceS} nowS={nowS} />
+          {t('live.lostFor')} <Lasting sinceS={lostSinceS} nowS={nowS} />
         </p>
       </Banner>
     );
