@@ -104,7 +104,7 @@ describe('the measures of a comparison', () => {
     await userEvent.click(screen.getByText('Beside the other side', { selector: 'summary' }));
     const table = within(screen.getByRole('table', { name: 'Beside the other side' }));
     const row = within(table.getByRole('row', { name: /Elbow flexion/ }));
-    expect(row.getByText('The affected side is 20 % ± 2 less (symmetry angle −7.0 %)')).toBeTruthy();
+    expect(row.getByText('On the affected side it is 20 % ± 2 % less (symmetry angle −7.0 %)')).toBeTruthy();
     expect(row.getByText('40°')).toBeTruthy();
     expect(row.getByText(/50°/)).toBeTruthy();
   });

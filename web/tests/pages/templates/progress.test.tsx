@@ -35,9 +35,11 @@ describe('the verdict on a change', () => {
 
 describe('the other side', () => {
   it('is less or more only beyond twice the uncertainty', () => {
-    expect(symmetryText(Math.log(0.8), 0.02, -7.04)).toBe('The affected side is 20 % ± 2 less (symmetry angle −7.0 %)');
-    expect(symmetryText(Math.log(1.1), 0.02, 3)).toContain('10 % ± 2 more');
-    expect(symmetryText(Math.log(0.97), 0.02, -1)).toMatch(/^Both sides alike within the uncertainty/);
+    expect(symmetryText(Math.log(0.8), 0.02, -7.04)).toBe(
+      'On the affected side it is 20 % ± 2 % less (symmetry angle −7.0 %)',
+    );
+    expect(symmetryText(Math.log(1.1), 0.02, 3)).toContain('10 % ± 2 % more');
+    expect(symmetryText(Math.log(0.97), 0.02, -1)).toMatch(/^Both sides alike within the uncertainty of 2 % /);
   });
   it('and norms stand below the curve with their source', async () => {
     const { container } = render(
@@ -59,7 +61,7 @@ describe('the other side', () => {
       />,
     );
     const [other, norm] = screen.getAllByRole('listitem');
-    expect(other?.textContent).toContain('mean of 8: 48° – 52°. The affected side is 20 % ± 2 less');
+    expect(other?.textContent).toContain('mean of 8: 48° – 52°. On the affected side it is 20 % ± 2 % less');
     expect(norm?.textContent).toContain('(Somebody 2006): 60° – 70°');
     const found = await axe.run(container, { rules: { 'color-contrast': { enabled: false } } });
     expect(found.violations.map((one) => one.id)).toEqual([]);

@@ -241,9 +241,10 @@ export const patient: Translated<typeof english> = {
     other:
       'Zu wenige Sitzungen, um eine Veränderung zu erkennen: {count} von {of} für den Ausgangswert. Die folgenden werden damit verglichen.',
   },
-  'progress.alike': 'Beide Seiten im Rahmen der Unsicherheit gleich ({sigma} %; Symmetriewinkel {angle} %)',
-  'progress.lessThanOther': 'Die betroffene Seite: {percent} % ± {sigma} weniger (Symmetriewinkel {angle} %)',
-  'progress.moreThanOther': 'Die betroffene Seite: {percent} % ± {sigma} mehr (Symmetriewinkel {angle} %)',
+  'progress.alike': 'Beide Seiten im Rahmen der Unsicherheit von {sigma} % gleich (Symmetriewinkel {angle} %)',
+  'progress.lessThanOther':
+    'Auf der betroffenen Seite ist es {percent} % ± {sigma} % weniger (Symmetriewinkel {angle} %)',
+  'progress.moreThanOther': 'Auf der betroffenen Seite ist es {percent} % ± {sigma} % mehr (Symmetriewinkel {angle} %)',
   'progress.changeReal':
     '{change} gegenüber den ersten drei Sitzungen: eine echte Veränderung, größer als die kleinste nachweisbare von {limit}.',
   'progress.changeNotReal':

@@ -225,9 +225,9 @@ export const patient = {
     other:
       'Too few sessions to tell whether it changes: {count} of {of} for the baseline. The sessions after it are compared with it.',
   },
-  'progress.alike': 'Both sides alike within the uncertainty ({sigma} %; symmetry angle {angle} %)',
-  'progress.lessThanOther': 'The affected side is {percent} % ± {sigma} less (symmetry angle {angle} %)',
-  'progress.moreThanOther': 'The affected side is {percent} % ± {sigma} more (symmetry angle {angle} %)',
+  'progress.alike': 'Both sides alike within the uncertainty of {sigma} % (symmetry angle {angle} %)',
+  'progress.lessThanOther': 'On the affected side it is {percent} % ± {sigma} % less (symmetry angle {angle} %)',
+  'progress.moreThanOther': 'On the affected side it is {percent} % ± {sigma} % more (symmetry angle {angle} %)',
   'progress.changeReal':
     '{change} against the first three sessions: a real change, larger than the minimal detectable change of {limit}.',
   'progress.changeNotReal':
