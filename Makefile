@@ -91,7 +91,7 @@ checks: web-test lint types api-test web/dist/index.html browser
 
 # Many tests start whole services, two at once. One that failed beside another runs again, named and alone, and that decides.
 decided = status=0; $(BIN)/python -m pytest $(1) || status=$$?; [ $$status = 0 ] || { [ $$status = 1 ] && \
-	echo "Failed beside others; alone:" && $(BIN)/python -m pytest $(1) -n 0 -vv --last-failed --maxfail=1; }
+	echo "Failed beside others; alone:" && $(BIN)/python -m pytest $(1) -n 0 -vv --last-failed --last-failed-no-failures none --maxfail=1; }
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
