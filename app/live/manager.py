@@ -1,6 +1,7 @@
 """All live sessions of this process: opened by a hello, steered by people, closed into analysis."""
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections.abc import Awaitable, Callable
@@ -143,6 +144,7 @@ class LiveManager(SteeredSide):
         self._loop = asyncio.get_running_loop()
         await self._readiness.begin()
         prepare_process()
+        await asyncio.to_thread(repository.forget_ended, self.engine)
         for stored in await asyncio.to_thread(repository.interrupted, self.engine):
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)
@@ -166,9 +168,14 @@ class LiveManager(SteeredSide):
         for intake in list(self._intakes.values()):
             intake.end(Unavailable(say("live.stopping"), reason="stopping"))
         await asyncio.gather(*self._closing.values(), return_exceptions=True)
-        for session in list(self._sessions.values()):
+        for session in self.sessions:
             session.link_lost(say("live.stopped"))
+            session.settle()
+            self._note_where(session, is_last=True)
+        for session in self.sessions:
             await session.saved()
+            with contextlib.suppress(TelemotionError):
+                await asyncio.wrap_future(self.writer.flush(session.id))
         self.end_checks()
         await asyncio.to_thread(self._check_process.close)
 
@@ -186,11 +193,12 @@ class LiveManager(SteeredSide):
         """How many sessions are live here."""
         return len(self._sessions)
 
-    def _note_where(self, session: LiveSession) -> None:
+    def _note_where(self, session: LiveSession, *, is_last: bool = False) -> None:
         """Have it stored where the estimation of a session stands, now and then: a restart goes on from there."""
-        state = self._marks.due(session)
+        state = self._marks.due(session, is_forced=is_last)
         if state is not None:
-            self.writer.add_checkpoint(session.id, partial(pack, state))
+            with contextlib.suppress(Conflict, Unavailable):
+                self.writer.add_checkpoint(session.id, partial(pack, state))
             self._marks.stored(session)
 
     # --- gateways ---------------------------------------------------------------------------------------
@@ -443,7 +451,7 @@ class LiveManager(SteeredSide):
 
     async def _save_failed(self, session_id: str, reason: str) -> None:
         try:
-            await asyncio.to_thread(repository.save_state, self.engine, session_id, "failed", reason)
+            await asyncio.to_thread(repository.save_not_closed, self.engine, session_id, reason)
         except Exception:
             # The row says `closing`: the next start of the service queues the analysis.
             logger.exception("the failure of session %s could not be stored", session_id)

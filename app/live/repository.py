@@ -26,7 +26,8 @@ from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.analysis.result_rows import filter_of, layout_dict
-from app.recordings.models import MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.models import LiveCheckpoint, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.signals.checkpoints import forget_checkpoints
 from app.recordings.signals.chunks import frames_stream
 from app.schemas import SessionState
 from app.sentences import say
@@ -247,6 +248,24 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
         row.state, row.state_reason = state, reason
+
+
+def save_not_closed(engine: Engine, session_id: str, reason: str) -> None:
+    """Store that a session could not be closed; it does not go on."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.state, row.state_reason = "failed", reason
+        forget_checkpoints(session, [session_id])
+
+
+def forget_ended(engine: Engine) -> None:
+    """Delete checkpoints of sessions that do not go on; where a service ended while it closed one, it lies there."""
+    going_on = [state for state in OPEN if state != "failed"]
+    with unit_of_work(engine) as session:
+        ended = MotionSession.state.not_in(going_on) | MotionSession.ended_at.is_not(None)
+        forget_checkpoints(
+            session, session.scalars(select(MotionSession.id).join(LiveCheckpoint).where(ended)).all()
+        )
 
 
 def reopen(engine: Engine, session_id: str) -> bool:

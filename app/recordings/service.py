@@ -30,7 +30,7 @@ from app.recordings.schemas import (
     SessionIn,
     SessionOut,
 )
-from app.recordings.signals.checkpoints import forget_checkpoint
+from app.recordings.signals.checkpoints import forget_checkpoints
 from app.recordings.signals.chunks import layout_from_dict
 from app.recordings.signals.store import read_frames, read_packets, stored_ranges
 from app.sentences import CATALOGUE, say
@@ -309,7 +309,13 @@ def queue_closing(session: Session, session_id: str) -> str | None:
     the closing is unfinished, that one stays. None for a session that was reopened and to which nothing came: it is
     analysed already.
     """
-    forget_checkpoint(session, session_id)
+    queued = _queued_closing(session, session_id)
+    # Behind the task: who deletes the session locks it before the checkpoint, too.
+    forget_checkpoints(session, [session_id])
+    return queued
+
+
+def _queued_closing(session: Session, session_id: str) -> str | None:
     found = session.get_one(MotionSession, session_id)
     unfinished = select(Job).where(Job.session_id == session_id, Job.status.in_(("queued", "running")))
     for job in session.scalars(unfinished.order_by(Job.created_at)):

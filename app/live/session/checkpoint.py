@@ -1,14 +1,15 @@
 """Where the estimation of a live session stands, as bytes that another process goes on from, bit for bit.
 
 Whoever reads one knows its layout or leaves it: a row of another layout, another version of the pipeline or another
-calibration is never guessed at, the session is estimated again from its packets. What it holds is that of the packets
+calibration, or of clock epochs that were never stored, is never guessed at, the session is estimated again from its
+packets. What it holds is that of the packets
 below `sequence`; those from there on are to be replayed.
 """
 
 import json
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache
 from hashlib import blake2b
 from typing import Any, Final
@@ -22,13 +23,13 @@ from app.live.engine.lane import Parts
 from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock
-from app.network.declaration import Declaration
+from app.network.declaration import ClockEpoch, Declaration, FoundClips
 from app.recordings.signals.checkpoints import Checkpoint
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
 
-LAYOUT: Final = 2
+LAYOUT: Final = 3
 """Of `State`, and of the arrays of clock, alignment and orientation filters; to be raised with any change of them."""
 _PIPELINE: Final = "pipeline."
 _ALIGNER: Final = "aligner."
@@ -37,11 +38,14 @@ _ALIGNER: Final = "aligner."
 class _Packed(msgspec.Struct, array_like=True):
     key: bytes
     clock: tuple[int, int, int]
+    met: tuple[int, int, bytes]
+    """How many clock epochs and found clip levels, and `_digest` of them."""
     arrays: dict[str, tuple[str, tuple[int, ...], bytes]]
     """Type (as in the head of a `.npy` file, which has the fields of records, in JSON), shape and numbers."""
 
 
 Arrays = Mapping[str, NDArray[Any]]
+Met = tuple[tuple[ClockEpoch, ...], tuple[FoundClips, ...]]
 
 
 @dataclass(frozen=True)
@@ -53,11 +57,14 @@ class State:
     key : bytes
         See `key_of`.
     clock : tuple of int
+    met : tuple of ClockEpoch, tuple of FoundClips
+        Which the session had met: they are stored with the hello, apart from what is stored here.
     arrays : mapping of str to ndarray
     """
 
     key: bytes
     clock: tuple[int, int, int]
+    met: Met
     arrays: Arrays
 
 
@@ -81,7 +88,8 @@ def capture(session: LiveSession) -> "State | None":
         return None
     own = {f"{_PIPELINE}{name}": values for name, values in parts.pipeline.state().items()}
     own |= {f"{_ALIGNER}{name}": values for name, values in parts.aligner.state().items()}
-    return State(_key(parts), parts.clock.state(), own)
+    declared = parts.clock.declaration
+    return State(_key(parts), parts.clock.state(), (declared.clock_epochs, declared.found_clips), own)
 
 
 def _key(parts: Parts) -> bytes:
@@ -96,7 +104,8 @@ def _key(parts: Parts) -> bytes:
 def pack(state: State) -> Checkpoint:
     """Return a state as it is stored."""
     arrays = {name: (_text_of(one.dtype), one.shape, one.tobytes()) for name, one in state.arrays.items()}
-    packed = _Packed(state.key, state.clock, arrays)
+    epochs, clips = map(len, state.met)
+    packed = _Packed(state.key, state.clock, (epochs, clips, _digest(state.met)), arrays)
     data = zstandard.ZstdCompressor(level=1, write_checksum=True).compress(msgspec.msgpack.encode(packed))
     return Checkpoint(LAYOUT, state.clock[0] + 1, data)
 
@@ -115,11 +124,13 @@ def resume(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
     parts = session.now
     declaration, before = parts.clock.declaration, None
     try:
-        state = _unpack(checkpoint.data)
-        if state.key != _key(parts):
+        packed = _unpack(checkpoint.data)
+        epochs, clips, digest = packed.met
+        met = declaration.clock_epochs[:epochs], declaration.found_clips[:clips]
+        if packed.key != _key(parts) or tuple(map(len, met)) != (epochs, clips) or _digest(met) != digest:
             return False
         before = parts.pipeline.state()
-        _restore(parts, state)
+        _restore(parts, packed)
     except Exception as error:
         # Whatever is wrong with it: the packets are there, and other sessions are to be taken up as well.
         logger.warning("the checkpoint of session %s cannot be read: %s", session.id, type(error).__name__)
@@ -131,19 +142,23 @@ def resume(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
     return True
 
 
-def _unpack(data: bytes) -> State:
-    packed = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(data), type=_Packed)
+def _unpack(data: bytes) -> _Packed:
+    return msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(data), type=_Packed)
+
+
+def _digest(met: Met) -> bytes:
+    text = json.dumps([[astuple(one) for one in some] for some in met])
+    return blake2b(text.encode(), digest_size=16).digest()
+
+
+def _restore(parts: Parts, packed: _Packed) -> None:
     arrays = {
         name: np.frombuffer(numbers, _type_of(text)).reshape(shape).copy()
         for name, (text, shape, numbers) in packed.arrays.items()
     }
-    return State(packed.key, packed.clock, arrays)
-
-
-def _restore(parts: Parts, state: State) -> None:
-    parts.pipeline.restore(_below(state.arrays, _PIPELINE))
-    parts.aligner.restore(_below(state.arrays, _ALIGNER))
-    parts.clock.restore(state.clock)
+    parts.pipeline.restore(_below(arrays, _PIPELINE))
+    parts.aligner.restore(_below(arrays, _ALIGNER))
+    parts.clock.restore(packed.clock)
 
 
 @cache

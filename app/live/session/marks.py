@@ -41,15 +41,18 @@ class Marks:
         is_forced : bool
             Also where its checkpoint is young.
         """
-        now_s, made, setup = time.monotonic(), self._made.get(session), session.pipeline.setup
-        is_old = made is None or now_s - made.made_s > self._period_s or made.setup is not setup
-        if session.has_store_failed or not (is_old or is_forced):
+        now_s, setup = time.monotonic(), session.pipeline.setup
+        made = self._made.get(session)
+        if made is None:
+            # Sessions that came together, as after a restart, are not due together.
+            early_s = random.uniform(0.0, self._period_s)  # noqa: S311
+            made = self._made[session] = _Mark(now_s - early_s, setup)
+        is_old = now_s - made.made_s > self._period_s or made.setup is not setup
+        if session.has_store_failed or session.lacks_frames or not (is_old or is_forced):
             return None
         state = capture(session)
         if state is not None:
-            # Sessions that came together are not due together for ever.
-            early_s = random.uniform(0.0, self._period_s) if made is None else 0.0  # noqa: S311
-            self._captured[session] = _Mark(now_s - early_s, setup)
+            self._captured[session] = _Mark(now_s, setup)
         return state
 
     def stored(self, session: LiveSession) -> None:

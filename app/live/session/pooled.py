@@ -178,7 +178,8 @@ class PooledSession(CalibratedSession):
         if frames.tick_count:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored hears of it once, from `on_store_failure`.
-                self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
+                taken = self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
+                self._lacks_frames = not taken
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.now.health.add_chunk(chunk)

@@ -93,7 +93,7 @@ class LiveSession(PooledSession):
         self.duplicates = 0
         self.is_finished = False
         """Closed, and everything that came is stored."""
-        self._has_store_failed = False
+        self._has_store_failed = self._lacks_frames = False
         self._unstored_tick = first_unstored_tick
         self._saved_declaration = declaration
         self._backlog_ticks = BACKLOG_S * declaration.rate_hz
@@ -349,6 +349,11 @@ class LiveSession(PooledSession):
     def has_store_failed(self) -> bool:
         """Whether nothing of it can be stored any more."""
         return self._has_store_failed
+
+    @property
+    def lacks_frames(self) -> bool:
+        """Whether the store had no room for the newest frames: they can be estimated again from their packets."""
+        return self._lacks_frames
 
     def is_being_stored(self) -> bool:
         """Whether what comes is stored; looked at with every turn of the housekeeping."""

@@ -187,7 +187,7 @@ class OpenSession:
         self.failure = failure
         waiting = self.waiting
         self.packets, self.frame_parts, self.events, self.waiting = [], [], [], []
-        self.size = 0
+        self.size, self.checkpoint = 0, None
         return waiting
 
 

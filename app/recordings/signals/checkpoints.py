@@ -1,6 +1,6 @@
 """Where the estimation of live sessions stands, as stored: one row a session, which goes when the session is closed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -75,9 +75,9 @@ def load_checkpoint(engine: Engine, session_id: str) -> Checkpoint | None:
         return None if found is None else Checkpoint(found.layout, found.sequence, bytes(found.data))
 
 
-def forget_checkpoint(session: Session, session_id: str) -> None:
-    """Delete the checkpoint of a session that is closed."""
-    session.execute(delete(LiveCheckpoint).where(LiveCheckpoint.session_id == session_id))
+def forget_checkpoints(session: Session, session_ids: Sequence[str]) -> None:
+    """Delete the checkpoints of sessions that are closed."""
+    session.execute(delete(LiveCheckpoint).where(LiveCheckpoint.session_id.in_(session_ids)))
 
 
-__all__ = ["Checkpoint", "forget_checkpoint", "load_checkpoint", "write_checkpoints"]
+__all__ = ["Checkpoint", "forget_checkpoints", "load_checkpoint", "write_checkpoints"]

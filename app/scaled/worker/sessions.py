@@ -132,7 +132,7 @@ class PartitionSessions(LiveManager):
         """Have nobody taken for silent while packets that have arrived are still to be read."""
         self._housekeeping.is_behind = is_behind
 
-    def _note_where(self, session: LiveSession) -> None:
+    def _note_where(self, session: LiveSession, *, is_last: bool = False) -> None:
         # Checkpoints are stored with the position of the stream.
         pass
 

@@ -9,6 +9,7 @@ from sqlalchemy.exc import OperationalError
 
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
+from app.live.repository import forget_ended, save_not_closed
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession
@@ -118,3 +119,30 @@ def test_that_of_a_session_that_was_deleted_fails_alone(
         futures[0].result(PATIENCE_S)
     futures[1].result(PATIENCE_S)
     assert load_checkpoint(engine, stays) == standing(1)()
+
+
+@pytest.mark.parametrize("state", ["recording", "link_lost", "closing", "failed", "analysed"])
+def test_those_of_sessions_that_do_not_go_on_are_deleted(
+    writer: GroupCommitWriter, engine: Engine, new_session: Callable[..., str], packet: Make, state: str
+) -> None:
+    session_id = new_session()
+    writer.open_session(session_id)
+    writer.append_packet(session_id, packet(0))
+    writer.add_checkpoint(session_id, standing(1))
+    writer.flush(session_id).result(PATIENCE_S)
+    with unit_of_work(engine) as session:
+        session.get_one(MotionSession, session_id).state = state
+    forget_ended(engine)
+    assert (load_checkpoint(engine, session_id) is None) == (state not in {"recording", "link_lost"})
+
+
+def test_that_of_a_session_that_could_not_be_closed_is_deleted(
+    writer: GroupCommitWriter, engine: Engine, new_session: Callable[..., str], packet: Make
+) -> None:
+    session_id = new_session()
+    writer.open_session(session_id)
+    writer.append_packet(session_id, packet(0))
+    writer.add_checkpoint(session_id, standing(1))
+    writer.flush(session_id).result(PATIENCE_S)
+    save_not_closed(engine, session_id, "No room on the disk.")
+    assert load_checkpoint(engine, session_id) is None
