@@ -52,7 +52,7 @@ PERIOD_S = 62.85
 EARLY = 0.2
 """Share of kills that come while sessions are still coming back."""
 LONGEST_BACK_S = 120.0
-HELPER_ENDS_S = 20.0
+HELPER_ENDS_S = 60.0
 """In which a helper process ends once its service was killed."""
 
 

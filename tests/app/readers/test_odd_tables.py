@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from app import readers
 from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
-from app.readers.tables.schemas import CsvMapping
+from app.readers.tables.schemas import CsvMapping, GuessedMapping
 from tests.app.readers.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
 from tests.said import codes
 
@@ -122,6 +122,7 @@ def test_the_mapping_is_written_to_be_edited(tmp_path):
 
 
 @given(st.binary(max_size=3000), st.sampled_from(sorted(ODD)), st.integers(0, 5000))
+@example(b"\t    ", "a group named once", 68)
 @settings(max_examples=200, deadline=None)
 def test_no_bytes_break_the_preview(noise, name, at):
     content = ODD[name].content[:20_000]
@@ -131,7 +132,8 @@ def test_no_bytes_break_the_preview(noise, name, at):
     except RecordingFormatError:
         return
     if found.guess is not None:
-        CsvMapping.model_validate(found.guess.mapping)
+        # What is missing a person has to say.
+        (GuessedMapping if found.guess.missing else CsvMapping).model_validate(found.guess.mapping)
 
 
 def test_a_number_beyond_all_units_is_none():
