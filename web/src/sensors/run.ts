@@ -104,7 +104,11 @@ export class SensorRun {
   };
 
   async settled(withinMs: number): Promise<boolean> {
-    const isSafe = () => this.#snapshot.gateway?.recorder?.waiting === 0;
+    // What the page last heard may be older than samples that are still on their way to the worker.
+    const isSafe = () => {
+      const recorder = this.#snapshot.gateway?.recorder;
+      return recorder?.isComplete === true && recorder.waiting === 0;
+    };
     this.#phone?.stop();
     for (const sensor of this.#worn.values()) void sensor.stop();
     this.#gateway?.finish(false);

@@ -122,10 +122,15 @@ describe('a gateway in the browser', () => {
   it('says goodbye when all is sent, and ends with the session', async () => {
     const { recorder, store } = await recorderOf();
     await feed(recorder, 0, 63);
-    await recorder.finish(true);
+    expect(recorder.state.isComplete).toBe(false);
+    recorder.add(0, 1063 * STEP_MS, sample(63));
+    const finished = recorder.finish(true);
+    expect(recorder.state.isComplete).toBe(false);
+    await finished;
+    expect(recorder.state).toMatchObject({ isComplete: true, stored: 12 });
     await vi.waitFor(() => expect(recorder.state.link.status).toBe('ended'));
-    expect(service.goodbye).toBe(10);
-    expect(near(received())).toEqual(all(63));
+    expect(service.goodbye).toBe(11);
+    expect(near(received())).toEqual(all(64));
     expect(await store.count('s')).toBe(0);
   });
 

@@ -22,6 +22,8 @@ export interface RecorderState {
   /** This device refuses to store: what cannot be sent is lost. */
   isFull: boolean;
   lostPackets: number;
+  /** No more samples come, and the last are on this device or safe: `waiting` counts them all. */
+  isComplete: boolean;
 }
 
 export interface RecorderOptions extends Pick<LinkOptions, 'url' | 'ticket' | 'create' | 'random'> {
@@ -48,7 +50,15 @@ export class Recorder {
     this.#options = options;
     this.#grid = new Grid(network.placements.length, network.rateHz);
     this.#link = new Link({ ...options, network, store, onState: (link) => void this.#heard(link) });
-    this.#state = { link: this.#link.state, waiting: 0, waitingS: 0, stored: 0, isFull: false, lostPackets: 0 };
+    this.#state = {
+      link: this.#link.state,
+      waiting: 0,
+      waitingS: 0,
+      stored: 0,
+      isFull: false,
+      lostPackets: 0,
+      isComplete: false,
+    };
   }
 
   get state(): RecorderState {
@@ -89,6 +99,7 @@ export class Recorder {
   async finish(isGoodbye: boolean): Promise<void> {
     this.#isFinished = true;
     await this.flush();
+    this.#say({ isComplete: true });
     if (isGoodbye) this.#link.finish(this.#sequence - 1);
   }
 
