@@ -51,6 +51,8 @@ QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 MARK_S: Final = 10.0
 """From one checkpoint of a session to the next: at most so much of it is estimated again after a restart."""
+LAST_COMMIT_S: Final = 5.0
+"""So long a service that stops waits for the commit of where its sessions stand."""
 ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
@@ -174,10 +176,21 @@ class LiveManager(SteeredSide):
             self._note_where(session, is_last=True)
         for session in self.sessions:
             await session.saved()
-            with contextlib.suppress(TelemotionError):
-                await asyncio.wrap_future(self.writer.flush(session.id))
+        await self._flushed()
         self.end_checks()
         await asyncio.to_thread(self._check_process.close)
+
+    async def _flushed(self) -> None:
+        """Wait until what came last is stored, but not for ever: the writer, closed later, goes on trying."""
+        if self.writer.trouble() is not None:
+            return
+        flushed = []
+        for session in self.sessions:
+            with contextlib.suppress(TelemotionError):
+                flushed.append(asyncio.wrap_future(self.writer.flush(session.id)))
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(LAST_COMMIT_S):
+                await asyncio.gather(*flushed, return_exceptions=True)
 
     def find(self, session_id: str) -> LiveSession | None:
         """Return a session that is live here, or None."""
