@@ -17,9 +17,17 @@ from sqlalchemy import Engine
 
 from app.database.engine import create_from_url
 from app.gateway import DeviceStream, ServiceClient, stream_of
+from app.live import warmup
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.patience import PATIENCE_S
+
+
+@pytest.fixture(autouse=True)
+def prepared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A session waits for its kernels, however long they take: a test is no gateway that comes back."""
+    monkeypatch.setattr(warmup, "PATIENCE_S", 2.0 * PATIENCE_S)
+
 
 PASSWORD = "a long enough password"
 """Of everybody in `world`."""

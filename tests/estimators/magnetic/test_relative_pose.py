@@ -1,7 +1,6 @@
 """The relative-pose filter: contract, dynamics against finite differences, accuracy, decisions, faults."""
 
 import itertools
-import time
 from dataclasses import fields
 
 import numpy as np
@@ -204,8 +203,8 @@ def test_noise_free_dead_reckoning(movement):
     assert errors[1] > 0.2
 
 
-def test_accuracy_consistency_and_cost():
-    scene, result, samples, parameters, _ = closed_loop("shoulder", 20.0, 2)
+def test_accuracy_and_consistency():
+    scene, result, *_ = closed_loop("shoulder", 20.0, 2)
     on = scene.time_s >= 4.0
     error = np.linalg.norm(result.position_m - scene.position_m, axis=1)[on]
     turn = rotation.angle_between(scene.q_source_sensor, result.q_source_sensor)[on]
@@ -216,12 +215,6 @@ def test_accuracy_consistency_and_cost():
     covariance = result.covariance[on]
     np.testing.assert_array_equal(covariance, np.swapaxes(covariance, 1, 2))
     assert np.linalg.eigvalsh(covariance).min() > 0.0
-    chunk, relative = as_chunk(samples), RelativePoseFilter(SOURCE, 0.01, parameters)
-    begin = time.perf_counter()
-    for k in range(500):
-        relative.update(chunk.ticks(k, k + 1))
-    # 1 % of a core at 120 Hz is 83 us; the machine of the test may be busy.
-    assert (time.perf_counter() - begin) / 500 < 4e-4
 
 
 def test_decisions():
