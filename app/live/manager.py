@@ -1,7 +1,6 @@
 """All live sessions of this process: opened by a hello, steered by people, closed into analysis."""
 
 import asyncio
-import contextlib
 import logging
 import time
 from collections.abc import Awaitable, Callable
@@ -26,9 +25,8 @@ from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience
-from app.live.session.checkpoint import pack
 from app.live.session.intake import Intake
-from app.live.session.marks import Marks
+from app.live.session.marks import Marks, all_stored
 from app.live.session.opening import ANYWHERE, Opener, Place, check_network
 from app.live.session.runner import LiveSession
 from app.live.session.saver import until_written
@@ -51,8 +49,6 @@ QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 MARK_S: Final = 10.0
 """From one checkpoint of a session to the next: at most so much of it is estimated again after a restart."""
-LAST_COMMIT_S: Final = 5.0
-"""So long a service that stops waits for the commit of where its sessions stand."""
 ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
@@ -176,21 +172,9 @@ class LiveManager(SteeredSide):
             self._note_where(session, is_last=True)
         for session in self.sessions:
             await session.saved()
-        await self._flushed()
+        await all_stored(self.writer, self.sessions)
         self.end_checks()
         await asyncio.to_thread(self._check_process.close)
-
-    async def _flushed(self) -> None:
-        """Wait until what came last is stored, but not for ever: the writer, closed later, goes on trying."""
-        if self.writer.trouble() is not None:
-            return
-        flushed = []
-        for session in self.sessions:
-            with contextlib.suppress(TelemotionError):
-                flushed.append(asyncio.wrap_future(self.writer.flush(session.id)))
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(LAST_COMMIT_S):
-                await asyncio.gather(*flushed, return_exceptions=True)
 
     def find(self, session_id: str) -> LiveSession | None:
         """Return a session that is live here, or None."""
@@ -208,11 +192,7 @@ class LiveManager(SteeredSide):
 
     def _note_where(self, session: LiveSession, *, is_last: bool = False) -> None:
         """Have it stored where the estimation of a session stands, now and then: a restart goes on from there."""
-        state = self._marks.due(session, is_forced=is_last)
-        if state is not None:
-            with contextlib.suppress(Conflict, Unavailable):
-                self.writer.add_checkpoint(session.id, partial(pack, state))
-            self._marks.stored(session)
+        self._marks.store(self.writer, session, is_last=is_last)
 
     # --- gateways ---------------------------------------------------------------------------------------
 

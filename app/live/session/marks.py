@@ -1,13 +1,23 @@
 """Which live sessions are due for a checkpoint."""
 
+import asyncio
+import contextlib
 import random
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Final
 from weakref import WeakKeyDictionary
 
-from app.live.session.checkpoint import State, capture
+from app.errors import Conflict, TelemotionError, Unavailable
+from app.live.session.checkpoint import State, capture, pack
 from app.live.session.runner import LiveSession
+from app.recordings.signals.group_commit import GroupCommitWriter
 from estimators.pipelines import SessionSetup
+
+LAST_COMMIT_S: Final = 5.0
+"""So long a service that stops waits for the commit of where its sessions stand."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +65,30 @@ class Marks:
             self._captured[session] = _Mark(now_s, setup)
         return state
 
+    def store(self, writer: GroupCommitWriter, session: LiveSession, *, is_last: bool = False) -> None:
+        """Give the writer where a session stands, if it is due: committed with what the session gave before."""
+        state = self.due(session, is_forced=is_last)
+        if state is not None:
+            with contextlib.suppress(Conflict, Unavailable):
+                writer.add_checkpoint(session.id, partial(pack, state))
+            self.stored(session)
+
     def stored(self, session: LiveSession) -> None:
         """Note that what `due` returned of a session is stored."""
         self._made[session] = self._captured.pop(session)
 
 
-__all__ = ["Marks"]
+async def all_stored(writer: GroupCommitWriter, sessions: Sequence[LiveSession]) -> None:
+    """Wait until what came last is stored, but not for ever: the writer, closed later, goes on trying."""
+    if writer.trouble() is not None:
+        return
+    flushed = []
+    for session in sessions:
+        with contextlib.suppress(TelemotionError):
+            flushed.append(asyncio.wrap_future(writer.flush(session.id)))
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(LAST_COMMIT_S):
+            await asyncio.gather(*flushed, return_exceptions=True)
+
+
+__all__ = ["Marks", "all_stored"]
