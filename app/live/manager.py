@@ -48,7 +48,7 @@ _NOT_CLOSED = say("live.not_closed")
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 MARK_S: Final = 10.0
-"""From one checkpoint of a session to the next: at most so much of it is estimated again after a restart."""
+"""From one checkpoint of a session to the next: about so much of it at most is estimated again after a restart."""
 ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 

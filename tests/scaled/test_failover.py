@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.postgres]
 
 SESSIONS = 4
 BEFORE_S, AFTER_S = 6.0, 6.0
-FRAMES_WITHIN_S = 90.0
+FRAMES_WITHIN_S = 20.0
 """Of a worker's death; tests share their machine."""
 
 

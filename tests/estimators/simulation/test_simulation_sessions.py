@@ -1,5 +1,6 @@
 """Whole sessions: N-pose, repetitions, mirror and facing, seeds, patients, mounting, speed."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -323,6 +324,8 @@ def test_contradictions_are_refused_in_words():
 
 
 @pytest.mark.slow
-def test_ten_minutes_of_two_arms():
+def test_ten_minutes_of_two_arms_take_less_than_twenty_seconds():
+    start = time.perf_counter()
     one = simulate_arm(ArmScenario(both_arms=True, schedule=Schedule(repetitions=None, duration_s=600.0)))
     assert one.recording.duration_s == pytest.approx(600.0, abs=0.02)
+    assert time.perf_counter() - start < 20.0
