@@ -45,7 +45,7 @@ SMALL_ANGLE_RAD = 1e-4
 """Below this a two-term series is exact to the last bit: the next term is under angle^4 / 120 = 1e-18."""
 
 
-@kernel(f"{_QUATERNION}({', '.join([_F] * 8)})")
+@kernel(f"{_QUATERNION}({', '.join([_F] * 8)})", inlined=True)
 def multiply(
     pw: float, px: float, py: float, pz: float, qw: float, qx: float, qy: float, qz: float
 ) -> Scalars4:

@@ -182,9 +182,13 @@ def run(
     for k in range(values.shape[0]):
         state.tick += 1
         unwrap(model, memory, values[k], work.y)
-        work.sigma[:] = sigma[k]
+        # One by one: for arrays numba compiles the words of an error about shapes too, seconds of a first start.
+        for i in range(len(work.sigma)):
+            work.sigma[i] = sigma[k, i]
         guard(settings, state, model, work, orders, said, spoken)
-        memory.window[state.tick % memory.window.shape[0]] = work.y
+        at = state.tick % memory.window.shape[0]
+        for i in range(len(work.y)):
+            memory.window[at, i] = work.y[i]
         if state.rested < settings.rest_ticks:
             _settle(settings, state, model, memory, work)
             if said.state[0].attempts == 0:

@@ -1,6 +1,6 @@
 """What compiled filters share: records, small linear algebra, and the error-state core that models are written on."""
 
-from estimators.kernels._angles import arcsine, far_direction, turn
+from estimators.kernels._angles import arcsine, direction, turn
 from estimators.kernels._borrowing import borrowing
 from estimators.kernels._error_state import BASE, Matrix, absorb, attitude_seen, inject, predict, turn_by_rate
 from estimators.kernels._linear import invert_symmetric, mirror, skew
@@ -27,7 +27,7 @@ __all__ = [
     "attitude_seen",
     "borrowing",
     "bundle",
-    "far_direction",
+    "direction",
     "filled",
     "inject",
     "invert_symmetric",

@@ -1,8 +1,11 @@
 """Angles and turns inside compiled loops, by series where they are exact to rounding."""
 
 import math
+from typing import Final
 
 from estimators._kernels import Scalars4, kernel
+
+_EIGHTH: Final = math.tan(math.pi / 8)
 
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64)", inlined=True)
@@ -67,18 +70,34 @@ def arcsine(sine: float) -> float:
     return -angle if sine < 0.0 else angle
 
 
-@kernel("float64(float64, float64)")
-def far_direction(y: float, x: float) -> float:
-    """Return atan2(y, x) by `arcsine`, exact to 4e-16; zero where both are."""
+@kernel("float64(float64, float64)", inlined=True)
+def direction(y: float, x: float) -> float:
+    """Return atan2(y, x) exact to 4e-16, with one division and no call; zero where both are.
+
+    Brought to within an eighth of a turn, atan t = t + t s P(s) with s = t^2. P interpolates the series at the eleven
+    Chebyshev points of s in [0, tan(pi/8)^2].
+    """
     across, along = abs(y), abs(x)
-    length = math.sqrt(x * x + y * y)
-    # The lesser of sine and cosine: its arc is as exact as itself.
-    angle = arcsine(min(across, along) / length if length > 0.0 else 0.0)
-    if across > along:
-        angle = 0.5 * math.pi - angle
-    if x < 0.0:
-        angle = math.pi - angle
+    small, large = min(across, along), max(across, along)
+    steep = small > _EIGHTH * large
+    above = small - large if steep else small
+    below = small + large if steep else large
+    t = above / below if below > 0.0 else 0.0
+    s = t * t
+    s2 = s * s
+    s4 = s2 * s2
+    first = (-0.3333333333333333 + s * 0.1999999999999552) + s2 * (
+        -0.14285714284666542 + s * 0.11111111015256361
+    )
+    second = (-0.09090904578123903 + s * 0.07692183190826087) + s2 * (
+        -0.06664511447381948 + s * 0.0585814891280221
+    )
+    third = (-0.0508544973794026 + s * 0.03923165829558719) - s2 * 0.01917688711906226
+    angle = t + t * (s * (first + s4 * (second + s4 * third)))
+    angle = 0.25 * math.pi + angle if steep else angle
+    angle = 0.5 * math.pi - angle if across > along else angle
+    angle = math.pi - angle if x < 0.0 else angle
     return -angle if y < 0.0 else angle
 
 
-__all__ = ["arcsine", "far_direction", "turn"]
+__all__ = ["arcsine", "direction", "turn"]

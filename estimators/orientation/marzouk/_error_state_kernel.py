@@ -15,6 +15,7 @@ from estimators.kernels import (
     Record,
     absorb,
     attitude_seen,
+    direction,
     inject,
     mirror,
     predict,
@@ -24,7 +25,7 @@ from estimators.kernels import (
 )
 from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
 from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._steps import SAMPLE, begin, direction, prepare, set_heading, store
+from estimators.orientation.marzouk._steps import SAMPLE, begin, prepare, set_heading, store
 from estimators.recording import Float
 
 SETTINGS = record(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, wrapped
-from estimators.kernels import BASE, Record, absorb, attitude_seen, mirror, record, step
+from estimators.kernels import BASE, Record, absorb, attitude_seen, direction, mirror, record, step
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import (
     BEGIN,
@@ -33,7 +33,6 @@ from estimators.orientation.marzouk._covariance import dot, predict_cross, twice
 from estimators.orientation.marzouk._steps import (
     SAMPLE,
     begin,
-    direction,
     horizontal_field,
     motion_weight,
     prepare,

@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import Scalars4, kernel, multiply
-from estimators.kernels import Record, far_direction, mirror, record, step, turn
+from estimators.kernels import Record, direction, mirror, record, step, turn
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
 from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._covariance import dot, downdate, predict_cross, twice_cross
+from estimators.orientation.marzouk._covariance import downdate
 from estimators.orientation.marzouk._steps import (
     SAMPLE,
     begin,
-    direction,
     horizontal_field,
     motion_weight,
     prepare,
@@ -27,8 +26,9 @@ SETTINGS = record(
     steps.SETTINGS, steps.ANGLE_SETTINGS, [("rate_variance", "f8", 3), ("is_weighted_when_steep", "i8")]
 )
 STATE = record(steps.STATE)
+_X, _Y, _Z = 4, 5, 6
 STATES = 7
-"""Quaternion, then offset."""
+"""Quaternion, then the offset about x, y and z."""
 
 _SINGULAR = int(OrientationFlag.SINGULAR)
 _GUARD = 1e-6
@@ -42,31 +42,16 @@ Row = tuple[float, float, float, float, float, float, float]
 
 
 @step(inlined=True)
-def transition(x: Record, rx: float, ry: float, rz: float, step_s: float, f: Float, w: Float) -> None:
-    """Write Phi of A9.2: for a turn (rx, ry, rz) the blocks of the quaternion and of the offset."""
-    # a + (r x) structure; Omega^2 = -|u|^2 I.
-    a = 1.0 - (rx * rx + ry * ry + rz * rz) / 8.0
-    hx, hy, hz = 0.5 * rx, 0.5 * ry, 0.5 * rz
-    f[0, 0], f[0, 1], f[0, 2], f[0, 3] = a, -hx, -hy, -hz
-    f[1, 0], f[1, 1], f[1, 2], f[1, 3] = hx, a, hz, -hy
-    f[2, 0], f[2, 1], f[2, 2], f[2, 3] = hy, -hz, a, hx
-    f[3, 0], f[3, 1], f[3, 2], f[3, 3] = hz, hy, -hx, a
-    # -Ts/2 (I + Ts/4 Omega) Xi: columns q (0, e) (1, r/4) of e = e_x, e_y, e_z.
-    half = -0.5 * step_s
-    hw, hx2, hy2, hz2 = half * x.q[0], half * x.q[1], half * x.q[2], half * x.q[3]
-    kx, ky, kz = 0.5 * hx, 0.5 * hy, 0.5 * hz
-    w[0, 0] = -hx2 - kx * hw + kz * hy2 - ky * hz2
-    w[0, 1] = -hy2 - ky * hw + kx * hz2 - kz * hx2
-    w[0, 2] = -hz2 - kz * hw + ky * hx2 - kx * hy2
-    w[1, 0] = hw - kx * hx2 + kz * hz2 + ky * hy2
-    w[1, 1] = -hz2 - ky * hx2 - kx * hy2 + kz * hw
-    w[1, 2] = hy2 - kz * hx2 - kx * hz2 - ky * hw
-    w[2, 0] = hz2 - kx * hy2 - ky * hx2 - kz * hw
-    w[2, 1] = hw - ky * hy2 + kz * hz2 + kx * hx2
-    w[2, 2] = -hx2 - kz * hy2 - ky * hz2 + kx * hw
-    w[3, 0] = -hy2 - kx * hz2 - kz * hx2 + ky * hw
-    w[3, 1] = hx2 - ky * hz2 - kz * hy2 - kx * hw
-    w[3, 2] = hw - kz * hz2 + ky * hy2 + kx * hx2
+def moved_along(
+    g: Scalars4, w0: Scalars4, w1: Scalars4, w2: Scalars4, a: float, b: float, c: float
+) -> Scalars4:
+    """Return g + a w0 + b w1 + c w2."""
+    return (
+        g[0] + (a * w0[0] + b * w1[0] + c * w2[0]),
+        g[1] + (a * w0[1] + b * w1[1] + c * w2[1]),
+        g[2] + (a * w0[2] + b * w1[2] + c * w2[2]),
+        g[3] + (a * w0[3] + b * w1[3] + c * w2[3]),
+    )
 
 
 @step(inlined=True)
@@ -89,20 +74,49 @@ def add_noise(x: Record, p: Float, nx: float, ny: float, nz: float) -> None:
 
 
 @step(inlined=True)
-def predict(x: Record, p: Float, sample: Record, c: Record, work: Float, offset: Float) -> None:
-    """Turn by the rate and carry the covariance, Phi P Phi' + Ts Qc (A9.1 to A9.3)."""
-    f, k, w, g = work[0], work[1], offset[0], offset[1]
+def predict(x: Record, p: Float, sample: Record, c: Record) -> None:
+    """Turn by the rate and carry the covariance, Phi P Phi' + Ts Qc (A9.1 to A9.3).
+
+    Phi's block of the quaternion, 1 + Ts/2 Omega + (Ts/2 Omega)^2 / 2, multiplies by a quaternion f from the right;
+    that of the offset is W = -Ts/2 (1 + Ts/4 Omega) Xi, whose columns are q (0, e) (1, r/4) for the axes e. With A, C
+    and B the blocks of P and G = f C, the new cross terms are N = G + W B, and A' = f A f' + N W' + W G'.
+    """
     step_s = c.step_s
     rx = (sample.rate[0] - x.bias[0]) * step_s
     ry = (sample.rate[1] - x.bias[1]) * step_s
     rz = (sample.rate[2] - x.bias[2]) * step_s
-    transition(x, rx, ry, rz, step_s, f, w)
-    drift = step_s * c.bias_drift[0], step_s * c.bias_drift[1], step_s * c.bias_drift[2]
-    predict_cross(p, f, w, g, k, drift)
-    for i in range(4):
-        p[i, i] = dot(f[i], k[i]) + twice_cross(p, w, g, i)
-        for j in range(i + 1, 4):
-            p[i, j] = dot(f[j], k[i]) + (dot(p[i, 4:], w[j]) + dot(w[i], g[j]))
+    # Omega^2 = -|u|^2.
+    f = 1.0 - (rx * rx + ry * ry + rz * rz) / 8.0, 0.5 * rx, 0.5 * ry, 0.5 * rz
+    half = -0.5 * step_s
+    hw, hx, hy, hz = half * x.q[0], half * x.q[1], half * x.q[2], half * x.q[3]
+    kx, ky, kz = 0.25 * rx, 0.25 * ry, 0.25 * rz
+    w0 = multiply(-hx, hw, hz, -hy, 1.0, kx, ky, kz)
+    w1 = multiply(-hy, -hz, hw, hx, 1.0, kx, ky, kz)
+    w2 = multiply(-hz, hy, -hx, hw, 1.0, kx, ky, kz)
+    g0 = multiply(p[0, _X], p[1, _X], p[2, _X], p[3, _X], *f)
+    g1 = multiply(p[0, _Y], p[1, _Y], p[2, _Y], p[3, _Y], *f)
+    g2 = multiply(p[0, _Z], p[1, _Z], p[2, _Z], p[3, _Z], *f)
+    n0 = moved_along(g0, w0, w1, w2, p[_X, _X], p[_X, _Y], p[_X, _Z])
+    n1 = moved_along(g1, w0, w1, w2, p[_X, _Y], p[_Y, _Y], p[_Y, _Z])
+    n2 = moved_along(g2, w0, w1, w2, p[_X, _Z], p[_Y, _Z], p[_Z, _Z])
+    k0 = multiply(p[0, 0], p[0, 1], p[0, 2], p[0, 3], *f)
+    k1 = multiply(p[0, 1], p[1, 1], p[1, 2], p[1, 3], *f)
+    k2 = multiply(p[0, 2], p[1, 2], p[2, 2], p[2, 3], *f)
+    k3 = multiply(p[0, 3], p[1, 3], p[2, 3], p[3, 3], *f)
+    r0, r1 = multiply(k0[0], k1[0], k2[0], k3[0], *f), multiply(k0[1], k1[1], k2[1], k3[1], *f)
+    r2, r3 = multiply(k0[2], k1[2], k2[2], k3[2], *f), multiply(k0[3], k1[3], k2[3], k3[3], *f)
+    r0 = moved_along(moved_along(r0, w0, w1, w2, n0[0], n1[0], n2[0]), g0, g1, g2, w0[0], w1[0], w2[0])
+    r1 = moved_along(moved_along(r1, w0, w1, w2, n0[1], n1[1], n2[1]), g0, g1, g2, w0[1], w1[1], w2[1])
+    r2 = moved_along(moved_along(r2, w0, w1, w2, n0[2], n1[2], n2[2]), g0, g1, g2, w0[2], w1[2], w2[2])
+    r3 = moved_along(moved_along(r3, w0, w1, w2, n0[3], n1[3], n2[3]), g0, g1, g2, w0[3], w1[3], w2[3])
+    p[0, 0], p[0, 1], p[0, 2], p[0, 3] = r0
+    _, p[1, 1], p[1, 2], p[1, 3] = r1
+    p[2, 2], p[2, 3], p[3, 3] = r2[2], r2[3], r3[3]
+    p[0, _X], p[1, _X], p[2, _X], p[3, _X] = n0
+    p[0, _Y], p[1, _Y], p[2, _Y], p[3, _Y] = n1
+    p[0, _Z], p[1, _Z], p[2, _Z], p[3, _Z] = n2
+    for axis in range(3):
+        p[_X + axis, _X + axis] += step_s * c.bias_drift[axis]
     gap, quarter = 0.25 * sample.gap_variance, 0.25 * step_s * step_s
     add_noise(
         x,
@@ -149,11 +163,8 @@ def yaw_row(w: float, x: float, y: float, z: float) -> Row:
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64)", inlined=True)
 def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
-    """Return a quaternion at unit norm; one that nearly is by a series exact to 1e-16."""
-    off = (w * w + x * x) + (y * y + z * z) - 1.0
-    scale = 1.0 - off * (1 / 2 - off * (3 / 8 - off * (5 / 16)))
-    if abs(off) > 1e-5:
-        scale = 1.0 / math.sqrt(off + 1.0)
+    """Return a quaternion other than zero at unit norm."""
+    scale = 1.0 / math.sqrt((w * w + x * x) + (y * y + z * z))
     return w * scale, x * scale, y * scale, z * scale
 
 
@@ -181,13 +192,13 @@ def absorb(x: Record, p: Float, row: Row, sine: float, cosine: float, variance: 
     inverse = 1.0 / ((h0 * h[0] + h1 * h[1]) + (h2 * h[2] + h3 * h[3]) + variance * length * length)
     # The difference of two angles is that of their complex numbers; it comes within half a turn.
     across, along = sine * now_cosine - cosine * now_sine, cosine * now_cosine + sine * now_sine
-    found = direction(across, along) if abs(across) < 0.125 * along else far_direction(across, along)
+    found = direction(across, along)
     size = inverse * (length * found)
     x.q[0], x.q[1], x.q[2], x.q[3] = renormalized(
         x.q[0] + h[0] * size, x.q[1] + h[1] * size, x.q[2] + h[2] * size, x.q[3] + h[3] * size
     )
     for axis in range(3):
-        x.bias[axis] += h[4 + axis] * size
+        x.bias[axis] += h[_X + axis] * size
     downdate(p, h, inverse)
 
 
@@ -226,19 +237,17 @@ def run(
     ticks: Ticks, settings: NDArray[np.void], state: NDArray[np.void], covariance: Float, out: Estimates
 ) -> None:
     """Filter K ticks of S sensors; `state` and `covariance` (S, 7, 7, quaternion and bias) are carried on."""
-    samples, h, work, offset = np.zeros(1, SAMPLE), np.zeros(STATES), np.zeros((2, 4, 4)), np.zeros((2, 4, 3))
+    samples, h = np.zeros(1, SAMPLE), np.zeros(STATES)
     sample, c, quality = samples[0], settings[0], ticks.quality
-    p = np.zeros((STATES, STATES))
     for s in range(quality.shape[0]):
-        x = state[s]
-        p[:] = covariance[s]
+        x, p = state[s], covariance[s]
         for k in range(quality.shape[1]):
             action = prepare(ticks, s, k, x, c, sample)
             if action == BEGIN:
                 # A turn by d moves the quaternion by d/2.
                 begin(x, p, c, 4, 0.25)
             elif action != HOLD:
-                predict(x, p, sample, c, work, offset)
+                predict(x, p, sample, c)
                 if action == FILTER:
                     if sample.has_field and x.is_heading_known == 0:
                         set_heading(x, sample)
@@ -249,7 +258,6 @@ def run(
             own = _SINGULAR if abs(2.0 * (qx * z - w * y)) > _SINGULAR_SINE else 0
             store(out, s, k, x, variances, quality[s, k], action, own, sample, c)
         mirror(p)
-        covariance[s] = p
 
 
 __all__ = ["SETTINGS", "STATE", "STATES", "pitch_row", "roll_row", "run", "yaw_row"]

@@ -93,18 +93,6 @@ _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 
-@kernel("float64(float64, float64)", inlined=True)
-def direction(y: float, x: float) -> float:
-    """Return atan2(y, x); up to seven degrees, as innovations are, by a series exact to 1e-16."""
-    if abs(y) < 0.125 * x:
-        t = y / x
-        s = t * t
-        s2 = s * s
-        near = (1.0 - s * (1 / 3)) + s2 * (1 / 5 - s * (1 / 7))
-        return t * (near + s2 * s2 * ((1 / 9 - s * (1 / 11)) + s2 * (1 / 13 - s * (1 / 15))))
-    return math.atan2(y, x)
-
-
 @kernel("UniTuple(float64, 4)(UniTuple(float64, 3), UniTuple(float64, 3))")
 def attitude_from_vectors(gravity: Scalars3, field: Scalars3) -> Scalars4:
     """Return q_U_sensor from gravity and field in the sensor frame (A4 and A5); all zero if parallel.

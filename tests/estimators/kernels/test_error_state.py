@@ -1,5 +1,7 @@
 """The error-state core beside dense algebra, and the records, angles and matrices that it stands on."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -11,7 +13,7 @@ from estimators.kernels import (
     absorb,
     arcsine,
     attitude_seen,
-    far_direction,
+    direction,
     filled,
     inject,
     invert_symmetric,
@@ -114,8 +116,12 @@ def test_arcsine_is_that_of_the_library():
 
 def test_direction_is_that_of_the_library():
     y, x = np.random.default_rng(8).standard_normal((2, 500))
-    found = [far_direction(float(a), float(b)) for a, b in zip(y, x, strict=True)]
-    np.testing.assert_allclose(found, np.arctan2(y, x), rtol=1e-15)
+    # The borders of the eighths, the axes, where both are tiny, and where there is no direction.
+    edge = math.tan(math.pi / 8)
+    y = np.concatenate((y, [edge, np.nextafter(edge, 1.0), 1.0, -1.0, 0.0, 1e-300, 3.0, -3.0, 0.0]))
+    x = np.concatenate((x, [1.0, 1.0, 1.0, -edge, -2.0, 1e-300, 0.0, 0.0, 0.0]))
+    found = [direction(float(a), float(b)) for a, b in zip(y, x, strict=True)]
+    np.testing.assert_allclose(found, np.arctan2(y, x), rtol=6e-16)
 
 
 def test_small_matrices():
