@@ -1,5 +1,6 @@
 """Compiled kernels are out of date when anything changes that went into them."""
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -30,6 +31,58 @@ def test_imports_are_followed_and_no_further(tmp_path):
     assert imported_files(room / "other.py", tmp_path) == tuple(
         room / name for name in ("__init__.py", "other.py", "outside.py")
     )
+
+
+def files_that(imports: str, folder: Path) -> set[str]:
+    """Names of the modules of a small package that a file with this text imports."""
+    package = folder / "p"
+    package.mkdir(exist_ok=True)
+    for name in ("a", "b", "c"):
+        (package / f"{name}.py").touch()
+    file = folder / "file.py"
+    file.write_text(imports)
+    return {one.stem for one in _kernel_cache._direct(file, folder)}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import p.a, p.b as x\n",
+        "from p import a, b\n",
+        "from p import a as y, b  # and no more\n",
+        "from p import (\n    a,  # of f(x)\n    b,\n)\n",
+        "from p import a, \\\n    b\n",
+        "import p.a; import p.b\n",
+        "def f():\n    from p import a\n    if f: import p.b\n",
+        "from p.a import(x)\nfrom p.b import *\n",
+    ],
+)
+def test_every_form_of_import_is_seen(text, tmp_path):
+    assert files_that(text, tmp_path) == {"a", "b"}
+
+
+def test_what_only_looks_like_an_import_is_none(tmp_path):
+    text = "# from p import a\nimportant = 1\nfrom pathlib import Path\nx = 'import p.b'\n"
+    assert files_that(text, tmp_path) == set()
+
+
+def test_no_import_of_the_house_is_missed():
+    """As the syntax trees of its files have them."""
+    root = Path(_kernel_cache.__file__).parents[1]
+    files = [file for room in ("estimators", "app") for file in (root / room).rglob("*.py")]
+    assert len(files) > 500
+    for file in files:
+        wanted: set[Path] = set()
+        for node in ast.walk(ast.parse(file.read_bytes())):
+            if isinstance(node, ast.Import):
+                wanted.update(path for name in node.names for path in _kernel_cache._module(name.name, root))
+            elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+                for name in node.names:
+                    whole = f"{node.module}.{name.name}"
+                    wanted.update(
+                        _kernel_cache._module(whole, root) or _kernel_cache._module(node.module, root)
+                    )
+        assert wanted <= set(_kernel_cache._direct(file, root)), file
 
 
 def test_modules_that_import_each_other_end(tmp_path):
