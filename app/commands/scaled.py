@@ -7,7 +7,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app import logs
 from app.commands.private_folder import make_private
-from app.commands.serve import listen, run_application
+from app.commands.serve import imported_for_good, listen, run_application
 from app.database.writer_lock import shared_lock
 from app.settings import Settings
 
@@ -31,7 +31,8 @@ def edge(host: str, port: int) -> None:
     InvalidInput, Unavailable
         NATS or the database cannot be reached, or the database is not PostgreSQL.
     """
-    from app.parts import create_edge, named, process_name
+    with imported_for_good():
+        from app.parts import create_edge, named, process_name
 
     settings = named(Settings(), process_name("edge"))
     logs.configure(settings)
@@ -43,7 +44,8 @@ def edge(host: str, port: int) -> None:
 
 def worker(host: str, port: int) -> None:
     """Hold partitions of live sessions until stopped; health and metrics are at the address. See `edge`."""
-    from app.parts import create_worker, named, process_name
+    with imported_for_good():
+        from app.parts import create_worker, named, process_name
 
     name = process_name("worker")
     settings = named(Settings(), name)
