@@ -34,7 +34,7 @@ from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.session.streamed import Streamed
 from app.live.side import SteeredSide
-from app.live.warmup import PREPARING, Readiness, prepare_process
+from app.live.warmup import COMING_BACK_S, PREPARING, Readiness, prepare_process
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -140,10 +140,11 @@ class LiveManager(SteeredSide):
     async def start(self) -> None:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
         self._loop = asyncio.get_running_loop()
-        await self._readiness.begin()
+        interrupted = await asyncio.to_thread(repository.interrupted, self.engine)
+        await self._readiness.begin(COMING_BACK_S if interrupted else 0.0)
         prepare_process()
         await asyncio.to_thread(repository.forget_ended, self.engine)
-        for stored in await asyncio.to_thread(repository.interrupted, self.engine):
+        for stored in interrupted:
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)
                 continue

@@ -34,6 +34,8 @@ logger = logging.getLogger(__name__)
 SWITCH_INTERVAL_S: Final = 5e-4
 PATIENCE_S: Final = 2.0
 """Loading from the cache takes less: whoever opens a session waits so long before being sent away for a while."""
+COMING_BACK_S: Final = 15.0
+"""After a start in mid-stream the gateways of all sessions come back within this."""
 PREPARING: Final = say("live.preparing")
 NICENESS: Final = 5
 LOOK_S: Final = 1.0
@@ -110,10 +112,17 @@ class Readiness:
         self._kinds: dict[Kind, asyncio.Task[None]] = {}
         self._others: asyncio.Task[None] | None = None
 
-    async def begin(self) -> None:
-        """Begin with the usual kinds; returns when the first is ready, or after a moment."""
+    async def begin(self, others_after_s: float = 0.0) -> None:
+        """Begin with the usual kinds; returns when the first is ready, or after a moment.
+
+        Parameters
+        ----------
+        others_after_s : float
+            The others wait so long, where whoever comes meanwhile needs the processor more: who asks for one of them
+            has it prepared at once.
+        """
         first = self._of(FIRST)
-        self._others = asyncio.create_task(self._one_by_one(), name="warm up")
+        self._others = asyncio.create_task(self._one_by_one(others_after_s), name="warm up")
         await asyncio.wait([first], timeout=PATIENCE_S)
 
     async def usual_ready(self) -> None:
@@ -144,7 +153,9 @@ class Readiness:
         task = self._kinds.get(code_of(setup))
         return task is not None and task.done()
 
-    async def _one_by_one(self) -> None:
+    async def _one_by_one(self, others_after_s: float) -> None:
+        await asyncio.wait([self._of(FIRST)])
+        await asyncio.sleep(others_after_s)
         for kind in usual():
             await asyncio.wait([self._of(kind)])
 

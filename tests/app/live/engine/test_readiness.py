@@ -72,6 +72,29 @@ def test_a_session_waits_for_its_own_kind_only(monkeypatch: pytest.MonkeyPatch) 
     assert len(held.begun) == len(set(held.begun))
 
 
+def test_others_wait_for_those_who_come_back_unless_somebody_asks() -> None:
+    held = Held()
+    for kind in usual():
+        held.gate(kind).set()
+
+    async def story() -> None:
+        ready = Readiness(held)
+        await ready.begin(others_after_s=PATIENCE_S)
+        await ready_for(ready, ARM)
+        await asyncio.sleep(0.05)
+        assert held.begun == [FIRST]
+        await ready_for(ready, GAIT)
+        assert held.begun == [FIRST, code_of(GAIT)]
+        ready.end()
+        again = Readiness(held)
+        await again.begin(others_after_s=0.01)
+        await again.usual_ready()
+        assert all(map(again.is_ready, (ARM, GAIT)))
+
+    asyncio.run(story())
+    assert held.begun[2:] == usual()
+
+
 def test_what_cannot_be_prepared_speaks_for_itself_later(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(kind: Kind) -> None:
         raise RuntimeError("broken")
