@@ -49,10 +49,13 @@ def imported_files(file: Path, root: Path = _ROOT) -> tuple[Path, ...]:
 
 
 _IMPORT: Final = re.compile(
-    r"(?:^|[;:])[ \t]*(?:from[ \t]+(?P<module>[\w.]+)[ \t]+import\b[ \t]*(?:\((?P<listed>[^)]*)\)|(?P<named>[^\n;(]*))"
+    r"(?:^|[;:])[ \t\f]*(?:from[ \t]+(?P<module>[\w.]+)[ \t]+import\b[ \t]*"
+    r"(?:\((?P<listed>[\w\s.,]*)\)|(?P<named>[^\n;(]*))"
     r"|import[ \t]+(?P<whole>[^\n;]*))",
     re.MULTILINE,
 )
+_VERSIONED: Final = {"llvmlite", "numba", "numpy", "scipy"}
+"""Installed beside us, and known to numba's cache by their versions."""
 _NO_WORDS: Final = re.compile(r"#[^\n]*|\\\n")
 """Comments, and ends of lines that are none."""
 
@@ -62,7 +65,7 @@ def _direct(file: Path, root: Path) -> tuple[Path, ...]:
     # Kernels share most of what they import: without memory a start would read every file five times. Every start waits
     # for this, and a syntax tree takes fifteen times as long. What a string says like an import counts too.
     found: set[Path] = set()
-    for one in _IMPORT.finditer(_NO_WORDS.sub(" ", file.read_text(encoding="utf-8"))):
+    for one in _IMPORT.finditer(_NO_WORDS.sub(" ", file.read_text(encoding="utf-8-sig", errors="replace"))):
         module = one["module"]
         if module is None:
             for name in _names(one["whole"]):
@@ -83,6 +86,8 @@ def _names(listed: str) -> Iterator[str]:
 
 @functools.cache
 def _module(name: str, root: Path) -> tuple[Path, ...]:
+    if name.partition(".")[0] in _VERSIONED:
+        return ()
     place = root.joinpath(*name.split("."))
     return tuple(path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())
 

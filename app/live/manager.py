@@ -140,11 +140,11 @@ class LiveManager(SteeredSide):
     async def start(self) -> None:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
         self._loop = asyncio.get_running_loop()
-        interrupted = await asyncio.to_thread(repository.interrupted, self.engine)
-        await self._readiness.begin(COMING_BACK_S if interrupted else 0.0)
+        left = await asyncio.to_thread(repository.interrupted, self.engine)
+        await self._readiness.begin(COMING_BACK_S if any(one.state != "closing" for one in left) else 0.0)
         prepare_process()
         await asyncio.to_thread(repository.forget_ended, self.engine)
-        for stored in interrupted:
+        for stored in await asyncio.to_thread(repository.interrupted, self.engine):
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)
                 continue

@@ -35,7 +35,7 @@ SWITCH_INTERVAL_S: Final = 5e-4
 PATIENCE_S: Final = 2.0
 """Loading from the cache takes less: whoever opens a session waits so long before being sent away for a while."""
 COMING_BACK_S: Final = 15.0
-"""After a start in mid-stream the gateways of all sessions come back within this."""
+"""Where a stop left sessions open, their gateways come back about within this, once arms can be estimated."""
 PREPARING: Final = say("live.preparing")
 NICENESS: Final = 5
 LOOK_S: Final = 1.0

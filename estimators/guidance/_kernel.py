@@ -182,7 +182,8 @@ def run(
     for k in range(values.shape[0]):
         state.tick += 1
         unwrap(model, memory, values[k], work.y)
-        # One by one: for arrays numba compiles the words of an error about shapes too, seconds of a first start.
+        # One by one: for arrays numba compiles the words of an error about shapes too, seconds of a first start;
+        # `Guide.feed` has checked them.
         for i in range(len(work.sigma)):
             work.sigma[i] = sigma[k, i]
         guard(settings, state, model, work, orders, said, spoken)

@@ -72,7 +72,7 @@ def arcsine(sine: float) -> float:
 
 @kernel("float64(float64, float64)", inlined=True)
 def direction(y: float, x: float) -> float:
-    """Return atan2(y, x) exact to 4e-16, with one division and no call; zero where both are.
+    """Return atan2(y, x) of finite numbers to a relative 4e-16, with one division and no call; zero where both are.
 
     Brought to within an eighth of a turn, atan t = t + t s P(s) with s = t^2. P interpolates the series at the eleven
     Chebyshev points of s in [0, tan(pi/8)^2].

@@ -55,6 +55,8 @@ def files_that(imports: str, folder: Path) -> set[str]:
         "import p.a; import p.b\n",
         "def f():\n    from p import a\n    if f: import p.b\n",
         "from p.a import(x)\nfrom p.b import *\n",
+        "\ufefffrom p import a\r\nfrom p import (b)\r\n",
+        "'As\n    from p import (\nsaid.'\nfrom p import (a, b)\n",
     ],
 )
 def test_every_form_of_import_is_seen(text, tmp_path):
@@ -83,6 +85,14 @@ def test_no_import_of_the_house_is_missed():
                         _kernel_cache._module(whole, root) or _kernel_cache._module(node.module, root)
                     )
         assert wanted <= set(_kernel_cache._direct(file, root)), file
+
+
+def test_installed_beside_numba_only_our_own_files_count(tmp_path):
+    room = tree(tmp_path)
+    (tmp_path / "numpy").mkdir()
+    (tmp_path / "numpy" / "__init__.py").touch()
+    assert room / "kernel.py" in imported_files(room / "kernel.py", tmp_path)
+    assert not any("numpy" in file.parts for file in imported_files(room / "kernel.py", tmp_path))
 
 
 def test_modules_that_import_each_other_end(tmp_path):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, wrapped
+from estimators._kernels import Scalars3, kernel, wrapped
 from estimators.kernels import BASE, Record, absorb, attitude_seen, direction, mirror, record, step
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import (
@@ -29,7 +29,6 @@ from estimators.orientation.marzouk._angles import (
     variances,
     wrap,
 )
-from estimators.orientation.marzouk._covariance import dot, predict_cross, twice_cross
 from estimators.orientation.marzouk._steps import (
     SAMPLE,
     begin,
@@ -47,6 +46,44 @@ STATE = record([("angles", "f8", 3)], steps.STATE)
 
 _SINGULAR = int(OrientationFlag.SINGULAR | OrientationFlag.HEADING_NOT_TRUSTED)
 _STEEPEST = math.radians(85.0)
+
+
+@step(inlined=True)
+def dot(a: Float, b: Float) -> float:
+    """Return the sum of products, first to last."""
+    total = a[0] * b[0]
+    for i in range(1, len(a)):
+        total += a[i] * b[i]
+    return float(total)
+
+
+@step(inlined=True)
+def predict_cross(p: Float, f: Float, w: Float, g: Float, k: Float, drift: Scalars3) -> None:
+    """Carry offset and cross terms: with C the old cross terms N = G + W B, where G = F C; write G and K = F A.
+
+    The block A of the first n states stays, so that its P' = K F' + N W' + W G' can be formed of what is then in `p`.
+    """
+    n = len(f)
+    mirror(p[:n, :n])
+    mirror(p[n:, n:])
+    for i in range(n):
+        for j in range(n):
+            k[i, j] = dot(f[i], p[j, :n])
+        for j in range(3):
+            g[i, j] = dot(f[i], p[:n, n + j])
+    for i in range(n):
+        for j in range(3):
+            p[i, n + j] = g[i, j] + dot(w[i], p[n + j, n:])
+    for j in range(3):
+        p[n + j, n + j] += drift[j]
+
+
+@step(inlined=True)
+def twice_cross(p: Float, w: Float, g: Float, i: int) -> float:
+    """Return the diagonal of N W' + W G', which saves a product each."""
+    n = len(g)
+    a, b, c = p[i, n] + g[i, 0], p[i, n + 1] + g[i, 1], p[i, n + 2] + g[i, 2]
+    return float(w[i, 0] * a + w[i, 1] * b + w[i, 2] * c)
 
 
 @step(inlined=True)

@@ -10,7 +10,6 @@ from estimators.kernels import Record, direction, mirror, record, step, turn
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
 from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._covariance import downdate
 from estimators.orientation.marzouk._steps import (
     SAMPLE,
     begin,
@@ -79,7 +78,8 @@ def predict(x: Record, p: Float, sample: Record, c: Record) -> None:
 
     Phi's block of the quaternion, 1 + Ts/2 Omega + (Ts/2 Omega)^2 / 2, multiplies by a quaternion f from the right;
     that of the offset is W = -Ts/2 (1 + Ts/4 Omega) Xi, whose columns are q (0, e) (1, r/4) for the axes e. With A, C
-    and B the blocks of P and G = f C, the new cross terms are N = G + W B, and A' = f A f' + N W' + W G'.
+    and B the blocks of P and G = f C, the new cross terms are N = G + W B, and A' = F A F' + N W' + W G', where the
+    matrix F does what f does.
     """
     step_s = c.step_s
     rx = (sample.rate[0] - x.bias[0]) * step_s
@@ -163,7 +163,7 @@ def yaw_row(w: float, x: float, y: float, z: float) -> Row:
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64)", inlined=True)
 def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
-    """Return a quaternion other than zero at unit norm."""
+    """Return a quaternion, which must not be zero, at unit norm."""
     scale = 1.0 / math.sqrt((w * w + x * x) + (y * y + z * z))
     return w * scale, x * scale, y * scale, z * scale
 
@@ -177,6 +177,15 @@ def quaternion_seen(p: Float, row: Scalars4, h: Float) -> None:
     h[2] = a * p[0, 2] + b * p[1, 2] + c * p[2, 2] + d * p[2, 3]
     for k in range(3, len(h)):
         h[k] = a * p[0, k] + b * p[1, k] + c * p[2, k] + d * p[3, k]
+
+
+@step(inlined=True)
+def downdate(p: Float, h: Float, inverse: float) -> None:
+    """Take h h' times `inverse` from the covariance: a scalar measurement with h = P H' and S = 1 / inverse."""
+    for i in range(len(h)):
+        gain = inverse * h[i]
+        for j in range(i, len(h)):
+            p[i, j] -= gain * h[j]
 
 
 @step(inlined=True)
