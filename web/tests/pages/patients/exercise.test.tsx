@@ -103,6 +103,14 @@ describe('an exercise while it is done', () => {
     await waitFor(() => expect(asked.at(-1)).toEqual(['POST /api/sessions/s/guidance', { command: 'resume' }]));
   });
 
+  it('never says that more was done of less', () => {
+    const beyond = { valid: 5, partial: 0, wrong: 0 };
+    const { again } = show(<Exercise guidance={said({ goal: 5, counts: beyond })} />, FINE);
+    expect(screen.getByLabelText('Counted').textContent).toBe('5of 5');
+    again(<Exercise guidance={said({ goal: 4, counts: beyond })} />);
+    expect(screen.getByLabelText('Counted').textContent).toBe('5goal of 4 reached');
+  });
+
   it('asks before it ends', async () => {
     show(<Exercise guidance={said()} />, FINE);
     await userEvent.click(screen.getByRole('button', { name: 'Stop' }));

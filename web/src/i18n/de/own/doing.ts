@@ -11,6 +11,7 @@ export const doing: Translated<typeof english> = {
   'doing.count': 'Gezählt',
   'doing.before': { one: '1 davon heute schon früher', other: '{count} davon heute schon früher' },
   'doing.of': 'von {goal}',
+  'doing.beyond': 'Ziel von {goal} erreicht',
   'doing.partial': { one: '{count} nicht ganz weit genug', other: '{count} nicht ganz weit genug' },
   'doing.wrong': { one: '{count} andere Bewegung', other: '{count} andere Bewegungen' },
   'doing.aloud': 'Laut mitzählen',

@@ -8,6 +8,7 @@ export const doing = {
   'doing.count': 'Counted',
   'doing.before': { one: '1 of them earlier today', other: '{count} of them earlier today' },
   'doing.of': 'of {goal}',
+  'doing.beyond': 'goal of {goal} reached',
   'doing.partial': { one: '{count} not quite far enough', other: '{count} not quite far enough' },
   'doing.wrong': { one: '{count} other movement', other: '{count} other movements' },
   'doing.aloud': 'Count aloud',

@@ -29,7 +29,11 @@ export function Count({ guidance }: { guidance: GuidanceMessage }) {
     <div className="doing-count" role="status" aria-label={t('doing.count')}>
       <p className="doing-number">
         <span key={valid}>{valid}</span>
-        {guidance.goal ? <span className="doing-goal">{t('doing.of', { goal: guidance.goal })}</span> : null}
+        {guidance.goal ? (
+          <span className="doing-goal">
+            {t(valid > guidance.goal ? 'doing.beyond' : 'doing.of', { goal: guidance.goal })}
+          </span>
+        ) : null}
         {guidance.before ? <span className="doing-before">{t('doing.before', { count: guidance.before })}</span> : null}
       </p>
       {(partial > 0 || wrong > 0) && (
