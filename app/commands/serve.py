@@ -107,7 +107,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
 def imported_for_good() -> Iterator[None]:
     """Import what lives as long as the process without looking for garbage in it, then or later.
 
-    There is hardly any, and looking through the growing heap again and again is a fifth of the time of these imports.
+    There is hardly any, and looking through the growing heap again and again is a good part of these imports' time.
     """
     was_on = gc.isenabled()
     gc.disable()
