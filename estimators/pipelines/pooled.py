@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.kernels import record
+from estimators.kernels.slots import sparse_zeros
 from estimators.pipelines._contract import FrameLayout, Frames, Pipeline
 from estimators.recording import Float, ImuChunk
 
@@ -108,14 +109,14 @@ def columns(ticks: int, layout: FrameLayout) -> Columns:
     """Return room for so many ticks."""
     segments, points, angles = len(layout.segments), len(layout.points), len(layout.angles)
     return Columns(
-        np.empty((ticks, segments, 4)),
-        np.empty((ticks, points, 3)),
-        np.empty((ticks, angles)),
-        np.empty((ticks, angles)),
-        np.empty((ticks, len(layout.scalars))),
-        np.empty((ticks, segments), dtype=np.uint8),
-        np.empty((ticks, angles), dtype=np.uint8),
-        np.empty((ticks, segments, 3)),
+        sparse_zeros((ticks, segments, 4)),
+        sparse_zeros((ticks, points, 3)),
+        sparse_zeros((ticks, angles)),
+        sparse_zeros((ticks, angles)),
+        sparse_zeros((ticks, len(layout.scalars))),
+        sparse_zeros((ticks, segments), np.uint8),
+        sparse_zeros((ticks, angles), np.uint8),
+        sparse_zeros((ticks, segments, 3)),
     )
 
 

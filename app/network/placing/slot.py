@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from estimators.channels import CARRIED, ChannelSpec
 from estimators.kernels import record
+from estimators.kernels.slots import sparse_zeros
 from estimators.recording import Float
 
 MOST_TICKS: Final = 65
@@ -186,8 +187,8 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int, 
         np.zeros((sessions, sensors), dtype=np.int64),
         np.zeros((sessions, sensors, 2, 2, 3)),
         np.zeros((sessions, channels, sensors, 2, 3)),
-        np.zeros((sessions, recent_ticks, channels, sensors, 3)),
-        np.zeros((sessions, recent_ticks, sensors), dtype=np.uint8),
+        sparse_zeros((sessions, recent_ticks, channels, sensors, 3)),
+        sparse_zeros((sessions, recent_ticks, sensors), np.uint8),
         np.zeros(each),
         np.zeros(each),
         np.zeros((sessions, sensors), dtype=np.int64),
