@@ -140,7 +140,9 @@ class _WorkerOpening:
         prepare_process()
         shared = OfWorker(settings=settings, limits=services.limits, readiness=warmth)
         stack.push_async_callback(partial(to_thread.run_sync, shared.check.close))
-        measuring = asyncio.create_task(shared.admission.run(), name="live admission")
+        measuring = asyncio.create_task(
+            shared.admission.run(shared.pooled.take_longest_s), name="live admission"
+        )
         stack.callback(measuring.cancel)
         worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
         services.add(worker.bus, MemoryBus)

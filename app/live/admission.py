@@ -1,14 +1,17 @@
 """Who comes when the machine is full is sent away with a sentence, instead of everybody's frames coming late.
 
-Packets are taken, estimated and published by one thread, that of the event loop. Measured is what share of a processor
-it uses and how late it wakes. A session is admitted while that, with what sessions will use that are here but do not
-stream yet, leaves room for one more of the usual cost. A session that has streamed before is never sent away: its
-gateway holds packets that nobody else has.
+Packets are taken and published by one thread, that of the event loop; others estimate and store. Measured is what share
+of a processor the loop uses, how late it wakes, and how long turns of packets last. A session is admitted while that,
+with what sessions will use that are here but do not stream yet, leaves room for one more of the usual cost. Where they
+were too many, that number is the most for a while. A session that has streamed before is never sent away: its gateway
+holds packets that nobody else has.
 """
 
 import asyncio
+import math
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import Final
 
 from app.errors import Unavailable
@@ -24,8 +27,11 @@ LATE_S: Final = 0.25
 """Where half of the turns come later, something else uses the machine up."""
 CROWDED_BUSY: Final = 0.3
 CROWDED_S: Final = 0.03
-"""Where the thread uses more than that share and a quarter of its turns comes later, its sessions use the machine up:
-other threads estimate and store for them."""
+"""Where the thread uses more than that share and in a quarter of its turns it wakes, or packets are shown, later than
+that, its sessions use the machine up."""
+CARRIED: Final = 0.9
+REMEMBERED_S: Final = 60.0
+"""Where so many streamed that packets came late, only this share of them is let in for so long."""
 USUAL_COST: Final = 0.0032
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
 LEAST_COST: Final = 0.0015
@@ -42,20 +48,34 @@ class Admission:
         self.refused = 0
         """Sessions sent away since the start; each time counts."""
         self._turns: deque[tuple[float, float, float]] = deque(maxlen=turns)
+        """How long each lasted, what it used of a processor, and how late the loop woke or packets were shown."""
         self._lags: deque[float] = deque(maxlen=10 * turns)
+        self._most = math.inf
+        """Sessions that the machine carries, as far as it has shown."""
+        self._most_until_s = 0.0
 
-    async def run(self) -> None:
-        """Measure until cancelled."""
+    async def run(self, take_longest_s: Callable[[], float]) -> None:
+        """Measure until cancelled.
+
+        Parameters
+        ----------
+        take_longest_s : callable()
+            Returns how long the longest turn of packets lasted since it was last asked, seconds.
+        """
         loop = asyncio.get_running_loop()
         while True:
             began_s, used_s = loop.time(), time.thread_time()
             await asyncio.sleep(TURN_S)
             lasted_s = loop.time() - began_s
-            self.note(lasted_s, time.thread_time() - used_s, max(0.0, lasted_s - TURN_S))
+            late_s = max(0.0, lasted_s - TURN_S)
+            self.note(lasted_s, time.thread_time() - used_s, late_s, take_longest_s())
 
-    def note(self, lasted_s: float, used_s: float, late_s: float) -> None:
-        """Take one turn: how long it lasted, what it used of a processor, how late its end came."""
-        self._turns.append((lasted_s, used_s, late_s))
+    def note(self, lasted_s: float, used_s: float, late_s: float, packets_s: float = 0.0) -> None:
+        """Take one turn: how long it lasted, what it used of a processor, how late its end came.
+
+        `packets_s` is how long packets were worked on at most in it.
+        """
+        self._turns.append((lasted_s, used_s, max(late_s, packets_s)))
         self._lags.append(late_s)
 
     def take_lags(self) -> list[float]:
@@ -89,10 +109,15 @@ class Admission:
         cost = min(max(busy / streaming, LEAST_COST), MOST_COST) if streaming else USUAL_COST
         late_s = sorted(late for _, _, late in self._turns)
         turns = len(late_s)
-        is_late = turns == self._turns.maxlen and (
-            late_s[turns // 2] > LATE_S or (busy > CROWDED_BUSY and late_s[3 * turns // 4] > CROWDED_S)
-        )
-        if is_late or busy + (quiet + 1) * cost > MOST_BUSY:
+        is_whole, now_s = turns == self._turns.maxlen, time.monotonic()
+        is_late = is_whole and late_s[turns // 2] > LATE_S
+        if now_s > self._most_until_s:
+            self._most = math.inf
+        if is_whole and busy > CROWDED_BUSY and late_s[3 * turns // 4] > CROWDED_S:
+            is_late = True
+            self._most = min(self._most, CARRIED * streaming)
+            self._most_until_s = now_s + REMEMBERED_S
+        if is_late or streaming + quiet >= self._most or busy + (quiet + 1) * cost > MOST_BUSY:
             self.refused += 1
             raise Unavailable(FULL, retry_after_s=RETRY_S, reason="full")
 

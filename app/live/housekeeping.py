@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
 from app.live.session.runner import LiveSession
@@ -15,6 +15,8 @@ logger = logging.getLogger(__name__)
 PERIOD_S: Final = 0.25
 THOROUGH_EVERY_TURNS: Final = 4
 """Turns after which a session is settled and its health is published; in the others it is only looked at."""
+AT_ONCE_S: Final = 0.002
+"""Sessions are settled one after the other for so long, then packets come first again."""
 LINK_LOST_AFTER_S: Final = 2.0
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
@@ -25,6 +27,10 @@ GOODBYE_CLOSE_S: Final = 60.0
 _IDLE: Final = say("live.closed_idle")
 _LONG: Final = say("live.closed_long")
 _NOT_BROUGHT: Final = say("live.closed_incomplete")
+
+
+async def _at_once() -> None:
+    """Nobody works on packets."""
 
 
 class Housekeeping:
@@ -44,6 +50,8 @@ class Housekeeping:
         A session that lasts longer is closed.
     note : callable(session), optional
         Called about once a second with each session, settled.
+    between_turns : callable(), optional
+        Awaited before sessions are settled: returns when nothing works on their packets.
     """
 
     def __init__(
@@ -56,9 +64,11 @@ class Housekeeping:
         goodbye_close_s: float,
         longest_s: float,
         note: Callable[[LiveSession], None] = lambda _: None,
+        between_turns: Callable[[], Awaitable[None]] = _at_once,
     ) -> None:
         self._sessions = sessions
         self._note = note
+        self._between_turns = between_turns
         self._is_connected = is_connected
         self._close_soon = close_soon
         self._idle_close_s = idle_close_s
@@ -82,16 +92,19 @@ class Housekeeping:
         while True:
             await asyncio.sleep(PERIOD_S)
             turn += 1
+            until_s = 0.0
             for number, session in enumerate(self._sessions()):
                 is_thorough = (turn + number) % THOROUGH_EVERY_TURNS == 0
+                if is_thorough and time.monotonic() > until_s:
+                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
+                    await asyncio.sleep(0)
+                    await self._between_turns()
+                    until_s = time.monotonic() + AT_ONCE_S
                 try:
                     self._look_after(session, is_thorough)
                 except Exception:
                     # Those behind it are settled and closed all the same.
                     logger.exception("looking after session %s failed", session.id)
-                if is_thorough:
-                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
-                    await asyncio.sleep(0)
             try:
                 self._close_abandoned()
             except Exception:

@@ -121,11 +121,11 @@ class LiveManager(SteeredSide):
             goodbye_close_s=goodbye_close_s,
             longest_s=longest_s,
             note=self._note_where,
+            between_turns=shared.pooled.between_turns,
         )
-        self._marks = Marks(MARK_S)
+        self._marks, self._is_stopping = Marks(MARK_S), False
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._is_stopping = False
         self._readiness = shared.readiness
         self._being_opened: set[str] = set()
         self._sent_away: dict[str, Sentence] = {}
@@ -154,7 +154,8 @@ class LiveManager(SteeredSide):
                     repository.save_state, self.engine, stored.id, "link_lost", say("live.restarted")
                 )
         self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
-        self._measuring = asyncio.create_task(self.admission.run(), name="live admission")
+        measuring = self.admission.run(self.pooled.take_longest_s)
+        self._measuring = asyncio.create_task(measuring, name="live admission")
 
     async def stop(self) -> None:
         """Store what is known and let the gateways come back to the next service."""
@@ -296,8 +297,7 @@ class LiveManager(SteeredSide):
     def _detach(self, intake: Intake) -> None:
         if self._intakes.get(intake.session_id) is intake:
             del self._intakes[intake.session_id]
-            session = self._sessions.get(intake.session_id)
-            if session is not None:
+            if (session := self._sessions.get(intake.session_id)) is not None:
                 # What came with it counts before its end.
                 self.pooled.turn()
                 # After a goodbye with nothing missing the housekeeping closes the session; otherwise the

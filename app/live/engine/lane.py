@@ -109,8 +109,8 @@ class Slots(Protocol):
     def leave(self, pool: SessionPool, slot: int) -> None:
         """Free a slot; a pool without sessions goes."""
 
-    def finish(self) -> None:
-        """End what is being worked on for any session."""
+    def finish(self, lane: "Lane | None" = None) -> None:
+        """End what is being worked on for a session, or for any."""
 
 
 class Lane:
@@ -280,7 +280,7 @@ class Lane:
         """
         if threading.get_ident() != self._thread:
             return
-        self._engine.finish()
+        self._engine.finish(self)
         taken, pool = self._taken, self.pool
         if not taken or pool is None:
             return

@@ -25,10 +25,10 @@ logger = logging.getLogger(__name__)
 LONGEST_WAIT_S: Final = 0.006
 SHORTEST_WAIT_S: Final = 0.004
 LATE_S: Final = 0.1
-"""After a turn that worked longer views go without: of the packets of a session in a turn only the newest is shown,
-until a turn works half as long. What is estimated and stored stays whole."""
+"""After a turn that lasted longer views go without: of the packets of a session in a turn only the newest is shown,
+until a turn lasts half as long. What is estimated and stored stays whole."""
 WAIT_PER_WORK: Final = 1.0
-"""A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
+"""A turn waits so many times as long as the one before lasted: the more there is, the more is taken together."""
 
 ASKED: Final = 12
 """Packets of one pool that are worth a wake of its thread, some 0.1 ms; fewer are taken at once."""
@@ -47,7 +47,10 @@ class PooledEngine:
         self._open: list[_Part] = []
         """Parts of the turn that threads work on."""
         self._watched: set[int] = set()
-        self._timer: asyncio.TimerHandle | None = None
+        self._timer: asyncio.Handle | None = None
+        self._is_due = False
+        """Whether the next turn begins as soon as threads are done with this one."""
+        self._is_between = asyncio.Event()
         self._wait_s = SHORTEST_WAIT_S
         self._pools: dict[Hashable, list[SessionPool]] = {}
         self.ordinary = 0
@@ -55,11 +58,11 @@ class PooledEngine:
         self.rare = 0
         """Packets that took the general way."""
         self.turns = 0
-        self.longest_turn_s = 0.0
+        self.longest_turn_s = self._longest_of_late_s = 0.0
         self.unshown = 0
         """Blocks that somebody would have watched, left out because turns were late."""
         self.is_late = False
-        self._worked_s, self._is_giving = 0.0, False
+        self._began_s, self._is_giving = 0.0, False
 
     def slot_for(
         self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
@@ -99,41 +102,64 @@ class PooledEngine:
             As of `LiveSession.receive`.
         """
         if not self._journals[self._filling].add(sender, data, key, arrival_s, arrival_ns):
-            self.turn()
+            # Nothing more is read until threads are done with the other journal; then they go on with this one.
+            self.finish()
+            self.begin()
             self._journals[self._filling].add(sender, data, key, arrival_s, arrival_ns)
         if self._timer is None:
             self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.begin)
 
     def turn(self) -> None:
         """Give all packets that wait to their sessions."""
+        self.finish()
         self.begin()
         self.finish()
 
-    def finish(self) -> None:
-        """End the turn that threads work on: whoever reads or moves a session sees it with all of its packets."""
+    def finish(self, lane: Lane | None = None) -> None:
+        """End what threads work on: whoever reads or moves a session sees it with all of its packets.
+
+        Parameters
+        ----------
+        lane : Lane, optional
+            Only what has packets of this one: the rows of others may be worked on meanwhile.
+        """
+        while parts := [part for part in self._open if lane is None or _has(part, lane)]:
+            self._end(parts[0])
+
+    def take_longest_s(self) -> float:
+        """Return how long the longest turn lasted since the last call; one that still lasts counts so far."""
+        found, self._longest_of_late_s = self._longest_of_late_s, 0.0
+        return max(found, time.perf_counter() - self._began_s) if self._open else found
+
+    async def between_turns(self) -> None:
+        """Return when no thread works on packets: whoever settles sessions then does not hold up the event loop."""
         while self._open:
-            self._end(self._open[0])
+            self._is_between.clear()
+            await self._is_between.wait()
 
     def begin(self) -> None:
-        """Begin to give all packets that wait to their sessions; what threads have to do of it ends later."""
+        """Begin to give all packets that wait to their sessions; what threads have to do of it ends later.
+
+        While threads still work on a turn the next one begins when they are done: the event loop does not wait.
+        """
+        if self._open:
+            self._is_due = True
+            return
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        self.finish()
         journal = self._journals[self._filling]
         received = journal.received
         if not received:
             return
-        began_s = time.perf_counter()
+        self._began_s, self._is_giving = time.perf_counter(), True
         journal.unmask()
         journal.received = []
         self._filling = 1 - self._filling
-        self._worked_s, self._is_giving = 0.0, True
         try:
             self._give(received)
         finally:
             self._is_giving = False
-            self._worked_s += time.perf_counter() - began_s
             self._close_turn()
 
     def _close_turn(self) -> None:
@@ -141,11 +167,16 @@ class PooledEngine:
         if self._open or self._is_giving:
             return
         self._journals[1 - self._filling].clear()
-        worked_s = self._worked_s
+        lasted_s = time.perf_counter() - self._began_s
         self.turns += 1
-        self.longest_turn_s = max(self.longest_turn_s, worked_s)
-        self.is_late = worked_s > (0.5 * LATE_S if self.is_late else LATE_S)
-        self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
+        self.longest_turn_s = max(self.longest_turn_s, lasted_s)
+        self._longest_of_late_s = max(self._longest_of_late_s, lasted_s)
+        self.is_late = lasted_s > (0.5 * LATE_S if self.is_late else LATE_S)
+        self._wait_s = min(max(WAIT_PER_WORK * lasted_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
+        self._is_between.set()
+        if self._is_due:
+            self._is_due = False
+            self._timer = asyncio.get_running_loop().call_soon(self.begin)
 
     def _give(self, received: list[Received]) -> None:
         pooled: dict[SessionPool, _Items] = {}
@@ -195,7 +226,7 @@ class PooledEngine:
                     continue
                 self._open.append((pool, items, parts))
                 return
-            self._take_part(pool, items)
+            parts[:0] = self._take_part(pool, items)
 
     def _watch_answers(self, pool: SessionPool) -> None:
         answers = pool.answers
@@ -217,20 +248,17 @@ class PooledEngine:
 
     def _end(self, part: _Part) -> None:
         """Give what a thread has found to the sessions, then go on with what is left for the pool."""
-        began_s = time.perf_counter()
         pool, items, more = part
         was_giving, self._is_giving = self._is_giving, True
         try:
             self._open.remove(part)
             pool.wait()
-            self._show(pool, items)
+            more[:0] = self._show(pool, items)
         except Exception as error:
             self._failed(items, error)
         self._take_parts(pool, more)
         self._is_giving = was_giving
-        if not was_giving:
-            self._worked_s += time.perf_counter() - began_s
-            self._close_turn()
+        self._close_turn()
 
     def _fill(self, pool: SessionPool, items: _Items) -> None:
         pool.fill(
@@ -239,13 +267,15 @@ class PooledEngine:
             [one[LENGTH] for one, _ in items],
         )
 
-    def _take_part(self, pool: SessionPool, items: _Items) -> None:
+    def _take_part(self, pool: SessionPool, items: _Items) -> list[_Items]:
+        """Take a part at once; see `_show`."""
         try:
             self._fill(pool, items)
             pool.take(1 - self._filling)
-            self._show(pool, items)
+            return self._show(pool, items)
         except Exception as error:
             self._failed(items, error)
+            return []
 
     def _failed(self, items: _Items, error: Exception) -> None:
         # Nothing was stored yet: the packets are, the general way, and nothing is estimated of them any more.
@@ -255,8 +285,8 @@ class PooledEngine:
             lane.forget()
             self._take_rare(one)
 
-    def _show(self, pool: SessionPool, items: _Items) -> None:
-        """Show, store and count what was found of a part."""
+    def _show(self, pool: SessionPool, items: _Items) -> list[_Items]:
+        """Show, store and count what was found of a part; return the part that is to be taken next, if any."""
         rows = pool.rows()
         watched = [
             number
@@ -287,11 +317,10 @@ class PooledEngine:
             next(lane for _, lane in items if lane.slot == slot).session.line.stop(raised)
         self.ordinary += taken
         metrics.packets += taken
-        if taken < len(items):
-            self._take_others(pool, items, rows)
+        return self._take_others(pool, items, rows) if taken < len(items) else []
 
-    def _take_others(self, pool: SessionPool, items: _Items, rows: list[tuple[Any, ...]]) -> None:
-        """Take the packets that compiled code left."""
+    def _take_others(self, pool: SessionPool, items: _Items, rows: list[tuple[Any, ...]]) -> list[_Items]:
+        """Take the packets that compiled code left; return those that it takes now, as a part."""
         full: _Items = []
         for (one, lane), row in zip(items, rows, strict=True):
             if row[STATUS] == RARE:
@@ -305,8 +334,7 @@ class PooledEngine:
             if pools[lane] is not pool:
                 self._take_rare(one)
         again = [(one, lane) for one, lane in full if pools[lane] is pool]
-        if again:
-            self._take_part(pool, again)
+        return [again] if again else []
 
     def _take_rare(self, one: Received) -> None:
         self.rare += 1
@@ -320,6 +348,12 @@ class PooledEngine:
             logger.exception("a packet could not be taken")
             if lane is not None:
                 lane.session.line.stop(error)
+
+
+def _has(part: _Part, lane: Lane) -> bool:
+    """Whether packets of a lane are in a part, or wait behind it."""
+    _, items, more = part
+    return any(own is lane for _, own in items) or any(own is lane for later in more for _, own in later)
 
 
 __all__ = ["PooledEngine"]

@@ -119,7 +119,8 @@ class Pair:
             offer(self.manager.pooled, self.pooled, data, int(random.integers(1 << 32)), at_s)
             left -= 1
             if left == 0:
-                # It ends with whoever looks at a session next.
+                # It ends with whoever looks at the session next.
+                self.manager.pooled.finish()
                 self.manager.pooled.begin()
                 left = int(random.choice([1, 1, 2, 7]))
         self.manager.pooled.turn()

@@ -205,3 +205,47 @@ def test_a_thread_that_has_ended_is_not_waited_for() -> None:
         thread.ask(1, 0, 1)
     with pytest.raises(BrokenPipeError):
         thread.wait()
+
+
+def test_who_has_nothing_in_a_turn_does_not_wait_for_it(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        one, other = pair.sessions
+        offered(pair, packets[:3])
+        manager.pooled.begin()
+        one.settle()
+        assert manager.pooled._open, "the thread works on another session's packets"
+        other.settle()
+        assert not manager.pooled._open
+
+    asyncio.run(run())
+
+
+def test_the_loop_waits_for_no_thread_to_begin_a_turn_and_none_is_forgotten(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        general(pair, packets[:9])
+        asked.clear()
+        offered(pair, packets[:3])
+        manager.pooled.begin()
+        offered(pair, packets[3:6], 3)
+        manager.pooled.begin()
+        assert asked == [3], "what came since waits until the thread is done"
+        assert manager.pooled.take_longest_s() > 0.0
+        await manager.pooled.between_turns()
+        assert not manager.pooled._open
+        # The next turn begins by itself, without a timer.
+        async with asyncio.timeout(PATIENCE_S):
+            while asked == [3]:
+                await asyncio.sleep(0)
+        offered(pair, packets[6:9], 6)
+        manager.pooled.turn()
+        assert asked == [3, 3, 3]
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
