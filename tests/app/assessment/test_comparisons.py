@@ -1,239 +1,31 @@
-"""From a therapist's recording to a template, and from a patient's session to its comparison."""
+"""From a patient's session to its comparison with what was prescribed."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
-from app import readers
 from app.accounts.models import AuditEvent
-from app.assessment.comparisons import compare_task
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.database.unit_of_work import read_only, unit_of_work
-from app.exercises.models import Exercise, TemplateVersion
-from app.ingest.upload import register, upload_folder
-from app.ingest.upload_task import upload
-from app.network.packet_log import write_log
-from app.recordings.analysis.jobs import JobRunner, run_job
-from app.recordings.analysis.reprocess import reprocess
+from app.exercises.models import Exercise
 from app.recordings.models import Job, MotionSession
-from app.recordings.schemas import UploadIn
-from app.settings import Settings
-from estimators.simulation import ArmScenario, MovementStyle, Schedule, SimulatedSession, simulate_arm
+from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
+from tests.app.assessment.performed import (
+    ARM,
+    MAIN,
+    patients,
+    quiet_queue,
+    run_queue,
+    store,
+    template_version,
+    therapists,
+)
 
-ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
-HANDLERS = {"upload": upload, "reprocess": reprocess, "compare": compare_task}
-MAIN = "range:thorax_humerus_right_yxy_elevation"
-
-
-def perform(style: MovementStyle, repetitions: int, seed: int) -> SimulatedSession:
-    return simulate_arm(
-        ArmScenario(
-            exercise="reaching",
-            placements=ARM,
-            style=style,
-            schedule=Schedule(n_pose_s=7.0, repetitions=repetitions, pause_s=1.5),
-            seed=seed,
-        )
-    )
-
-
-@pytest.fixture(scope="module")
-def therapists() -> SimulatedSession:
-    return perform(MovementStyle(), 5, 21)
-
-
-@pytest.fixture(scope="module")
-def patients() -> SimulatedSession:
-    """Slower, smaller, and with the trunk: what a comparison must find."""
-    style = replace(MovementStyle(), speed=0.6, amplitude=0.7, trunk_lean_rad=np.radians(12))
-    return perform(style, 4, 22)
-
-
-@pytest.fixture
-def run_queue(engine: Engine, settings: Settings) -> Callable[[], list[str]]:
-    """Do every queued task in this process, in order; returns how each ended."""
-
-    def run() -> list[str]:
-        ended = []
-        while True:
-            with read_only(engine) as session:
-                job = session.scalars(
-                    select(Job).where(Job.status == "queued").order_by(Job.created_at).limit(1)
-                ).first()
-            if job is None:
-                return ended
-            done = run_job(engine, settings, job.id, HANDLERS[job.kind])
-            ended.append(f"{job.kind} {done.status}: {done.message}")
-
-    return run
-
-
-@pytest.fixture
-def store(
-    engine: Engine, settings: Settings, world: Any, run_queue: Callable[[], list[str]]
-) -> Callable[..., str]:
-    """Upload a simulated session, without the packets of an interval, and analyse it; returns its id."""
-
-    def make(
-        simulated: SimulatedSession,
-        name: str = "therapist",
-        lost_s: tuple[float, float] = (0.0, 0.0),
-        **declared: Any,
-    ) -> str:
-        prepared = readers.packets_of(simulated.recording)
-        first_us = next(iter(prepared.packets(1))).device_time_us
-        kept = (
-            packet
-            for packet in prepared.packets(1)
-            if not lost_s[0] <= (packet.device_time_us - first_us) * 1e-6 < lost_s[1]
-        )
-        path: Path = upload_folder(settings) / f"{name}-{len(declared)}.upload"
-        path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), kept)))
-        declaration = UploadIn(
-            **{
-                "patient_id": world.patient_id,
-                "format": "packet_log",
-                "exercise_id": world.exercise_id,
-                **declared,
-            }
-        )
-        job = register(engine, settings, world.subjects[name], declaration, path)
-        ended = run_queue()
-        assert all(" complete" in line for line in ended), ended
-        return job.session_id
-
-    return make
-
-
-@pytest.fixture
-def template_version(therapist: Any, store: Any, world: Any, therapists: SimulatedSession) -> dict[str, Any]:
-    source = store(therapists, purpose="template")
-    answer = therapist.post(
-        "/api/templates",
-        json={"session_id": source, "exercise_id": world.exercise_id, "name": "Reach, my way"},
-    )
-    assert answer.status_code == 201, answer.text
-    return answer.json()
-
-
-@pytest.fixture(autouse=True)
-def quiet_queue(services: Any) -> None:
-    """The tests do the tasks themselves."""
-    services.get(JobRunner).stop()
-
-
-def test_a_preview_shows_repetitions_on_top_of_each_other(
-    therapist: Any, store: Any, therapists: SimulatedSession, engine: Engine
-) -> None:
-    session_id = store(therapists, purpose="template")
-    content = therapist.post("/api/templates/preview", json={"session_id": session_id}).json()
-    found = content["repetitions"]
-    assert [r["number"] for r in found] == [1, 2, 3, 4, 5]
-    assert all(r["is_kept"] for r in found)
-    for repetition, (start_s, end_s) in zip(found, therapists.truth.repetitions_s, strict=True):
-        assert repetition["start_s"] == pytest.approx(start_s, abs=0.35)
-        assert repetition["end_s"] == pytest.approx(end_s, abs=0.35)
-    main = next(c for c in content["curves"] if c["channel"] == MAIN.removeprefix("range:"))
-    assert (main["unit"], main["label"]) == ("deg", "Shoulder elevation")
-    assert len(main["mean"]) == 101
-    assert len(main["repetitions"]) == 5
-    known = [p for p in range(101) if main["mean"][p] is not None]
-    assert len(known) > 90
-    assert all(main["low"][p] < main["mean"][p] < main["high"][p] for p in known)
-    # In degrees: the true elevation of the simulated movement, at its highest.
-    truth = np.degrees(therapists.truth.angle_rad("thorax_humerus_right_yxy_elevation"))
-    assert max(v for v in main["mean"] if v is not None) == pytest.approx(truth.max(), abs=4.0)
-    with read_only(engine) as session:
-        assert session.scalars(select(TemplateVersion)).all() == []
-
-
-def test_a_repetition_left_out_by_hand_does_not_count(
-    therapist: Any, store: Any, therapists: SimulatedSession
-) -> None:
-    session_id = store(therapists, purpose="template")
-    body = {"session_id": session_id, "dropped": [2], "tolerance_scale": {}}
-    content = therapist.post("/api/templates/preview", json=body).json()
-    assert [r["number"] for r in content["repetitions"] if not r["is_kept"]] == [2]
-    assert content["repetitions"][1]["reason"] == "Excluded by hand."
-    channel = MAIN.removeprefix("range:")
-
-    def width(tolerance_scale: dict[str, float]) -> float:
-        body["tolerance_scale"] = tolerance_scale
-        curves = therapist.post("/api/templates/preview", json=body).json()["curves"]
-        curve = next(c for c in curves if c["channel"] == channel)
-        return float(curve["high"][50] - curve["mean"][50])
-
-    assert width({channel: 2.0}) == pytest.approx(2 * width({}), rel=1e-3)
-    for wrong, says in [({"dropped": [9]}, "no repetition 9"), ({"dropped": [1, 2, 3, 4]}, "at least two")]:
-        answer = therapist.post("/api/templates/preview", json={**body, **wrong})
-        assert answer.status_code == 422
-        assert says in answer.json()["message"]
-    answer = therapist.post("/api/templates/preview", json={**body, "tolerance_scale": {channel: -1.0}})
-    assert answer.status_code == 422
-
-
-def test_a_person_may_keep_what_the_service_would_leave_out(
-    therapist: Any, store: Any, therapists: SimulatedSession, world: Any
-) -> None:
-    start_s, end_s = therapists.truth.repetitions_s[2]
-    middle_s = 0.5 * (start_s + end_s)
-    session_id = store(therapists, purpose="template", lost_s=(middle_s - 0.4, middle_s + 0.4))
-    body: dict[str, Any] = {"session_id": session_id}
-
-    def left_out(dropped: list[int] | None) -> dict[int, str]:
-        answer = therapist.post("/api/templates/preview", json={**body, "dropped": dropped})
-        assert answer.status_code == 200, answer.text
-        return {r["number"]: r["reason"] for r in answer.json()["repetitions"] if not r["is_kept"]}
-
-    automatic = left_out(None)
-    assert list(automatic) == [3]
-    assert "lost track" in automatic[3]
-    assert left_out([]) == {}
-    assert left_out([1]) == {1: "Excluded by hand."}
-    assert left_out([3]) == automatic, "the reason stays visible"
-    body |= {"exercise_id": world.exercise_id, "name": "All of them", "dropped": []}
-    stored = therapist.post("/api/templates", json=body).json()
-    assert stored["repetition_count"] == 5
-    again = therapist.get(f"/api/template-versions/{stored['id']}").json()
-    assert all(r["is_kept"] and not r["reason"] for r in again["content"]["repetitions"])
-    main = next(c for c in again["content"]["curves"] if c["channel"] == MAIN.removeprefix("range:"))
-    assert sum(value is not None for value in main["mean"]) > 90
-
-
-def test_versions_of_a_template_are_kept_beside_each_other(
-    therapist: Any, world: Any, template_version: dict[str, Any]
-) -> None:
-    assert template_version["number"] == 1
-    assert template_version["repetition_count"] == 5
-    answer = therapist.post(
-        "/api/templates",
-        json={
-            "session_id": template_version["source_session_id"],
-            "exercise_id": world.exercise_id,
-            "template_id": template_version["template_id"],
-            "name": "Reach, wider",
-            "dropped": [1],
-        },
-    )
-    assert answer.status_code == 201, answer.text
-    second = answer.json()
-    stored = therapist.get(f"/api/template-versions/{second['id']}").json()["content"]["repetitions"][0]
-    assert (stored["reason"], stored["sentences"]["reason"]["code"]) == (
-        "Excluded by hand.",
-        "template.by_hand",
-    )
-    assert (second["number"], second["repetition_count"]) == (2, 4)
-    first = therapist.get(f"/api/template-versions/{template_version['id']}").json()
-    assert first["content"] == template_version["content"]
-    listed = therapist.get("/api/templates", params={"exercise_id": world.exercise_id}).json()
-    assert [t["name"] for t in listed] == ["Reach, wider"]
-    assert [v["number"] for v in listed[0]["versions"]] == [2, 1]
+__all__ = ["patients", "quiet_queue", "run_queue", "store", "template_version", "therapists"]
+"""Fixtures."""
 
 
 def prescribe(therapist: Any, world: Any, template_id: str) -> str:
@@ -529,62 +321,3 @@ def test_a_session_that_cannot_be_compared_is_still_analysed(
     (ended,) = run_queue()
     assert ended.startswith("compare complete")
     assert therapist.get(f"/api/sessions/{session_id}").json()["state"] == "analysed"
-
-
-def test_who_sees_templates_and_comparisons(
-    sign_in: Any,
-    nobody: Any,
-    therapist: Any,
-    world: Any,
-    store: Any,
-    patients: SimulatedSession,
-    template_version: dict[str, Any],
-) -> None:
-    path = f"/api/template-versions/{template_version['id']}"
-    session_id = store(patients)
-    compared = therapist.post(
-        f"/api/sessions/{session_id}/comparisons", json={"template_version_id": template_version["id"]}
-    ).json()
-    # A template of the clinic: colleagues may use it, without the single repetitions of a patient that is
-    # not theirs; nobody outside.
-    colleague = sign_in("colleague").get(path)
-    assert colleague.status_code == 200
-    assert all(curve["repetitions"] == [] for curve in colleague.json()["content"]["curves"])
-    for name in ("other_patient", "foreign_therapist", "foreign_administrator"):
-        assert sign_in(name).get(path).status_code == 404, name
-        assert sign_in(name).get("/api/templates").json() == [], name
-    # Compared with it, so the patient may see it.
-    assert sign_in("patient").get(path).status_code == 200
-    for name in ("colleague", "former", "other_patient", "foreign_therapist"):
-        stranger = sign_in(name)
-        assert stranger.get(f"/api/comparisons/{compared['id']}").status_code == 404, name
-        assert stranger.get(f"/api/sessions/{session_id}/comparisons").status_code == 404, name
-        body = {"template_version_id": template_version["id"]}
-        assert stranger.post(f"/api/sessions/{session_id}/comparisons", json=body).status_code == 404, name
-        body = {"session_id": session_id, "exercise_id": world.exercise_id, "name": "stolen"}
-        assert stranger.post("/api/templates", json=body).status_code == 404, name
-        assert stranger.post("/api/templates/preview", json={"session_id": session_id}).status_code == 404
-    body = {"session_id": session_id, "exercise_id": world.exercise_id, "name": "mine"}
-    assert sign_in("patient").post("/api/templates", json=body).status_code == 403
-    assert nobody.get(path).status_code == 401
-
-
-def test_a_template_for_one_patient_is_that_patients_data(
-    sign_in: Any, therapist: Any, world: Any, store: Any, therapists: SimulatedSession
-) -> None:
-    source = store(therapists, purpose="template")
-    body = {
-        "session_id": source,
-        "exercise_id": world.exercise_id,
-        "patient_id": world.patient_id,
-        "name": "For Ada",
-    }
-    made = therapist.post("/api/templates", json=body).json()
-    assert therapist.get("/api/templates").json() == []
-    listed = therapist.get("/api/templates", params={"patient_id": world.patient_id}).json()
-    assert [t["name"] for t in listed] == ["For Ada"]
-    assert sign_in("reader").get(f"/api/template-versions/{made['id']}").status_code == 200
-    for name in ("colleague", "other_patient", "foreign_therapist"):
-        assert sign_in(name).get(f"/api/template-versions/{made['id']}").status_code == 404, name
-    body = {**body, "patient_id": world.other_patient_id, "template_id": made["template_id"]}
-    assert therapist.post("/api/templates", json=body).status_code == 422
