@@ -11,10 +11,11 @@ import asyncio
 import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Final
 
 from app.errors import Unavailable
+from app.live.session.runner import LiveSession
 from app.sentences import say
 
 FULL: Final = say("live.full")
@@ -27,17 +28,29 @@ LATE_S: Final = 0.25
 """Where half of the turns come later, something else uses the machine up."""
 CROWDED_BUSY: Final = 0.3
 CROWDED_S: Final = 0.03
-"""Where the thread uses more than that share and in a quarter of its turns it wakes, or packets are shown, later than
-that, its sessions use the machine up."""
+"""Where the thread uses more than that share, and in a quarter of the times that it is looked at, it woke later than
+that or the longest turn of packets lasted longer, its sessions use the machine up."""
 CARRIED: Final = 0.9
 REMEMBERED_S: Final = 60.0
 """Where so many streamed that packets came late, only this share of them is let in for so long."""
+CROWD: Final = 25
+"""Fewer cannot have used the machine up; something else did."""
 USUAL_COST: Final = 0.0032
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
 LEAST_COST: Final = 0.0015
 MOST_COST: Final = 0.012
 """Few sessions cannot be distinguished from whatever else the thread does."""
 RETRY_S: Final = 10
+QUIET_S: Final = 60.0
+"""A session from which nothing came for longer is not expected to stream at any moment."""
+
+
+def crowd(sessions: Collection[LiveSession]) -> tuple[int, int]:
+    """Return how many of these stream, and how many more may at any moment."""
+    now_s = time.monotonic()
+    measured = [one for one in sessions if now_s - one.opened_s > WINDOW_S]
+    streaming = sum(now_s - one.last_arrival_s < WINDOW_S for one in measured)
+    return streaming, sum(now_s - one.last_arrival_s < QUIET_S for one in sessions) - streaming
 
 
 class Admission:
@@ -115,11 +128,12 @@ class Admission:
             self._most = math.inf
         if is_whole and busy > CROWDED_BUSY and late_s[3 * turns // 4] > CROWDED_S:
             is_late = True
-            self._most = min(self._most, CARRIED * streaming)
-            self._most_until_s = now_s + REMEMBERED_S
+            if streaming >= CROWD:
+                self._most = min(self._most, CARRIED * streaming)
+                self._most_until_s = now_s + REMEMBERED_S
         if is_late or streaming + quiet >= self._most or busy + (quiet + 1) * cost > MOST_BUSY:
             self.refused += 1
             raise Unavailable(FULL, retry_after_s=RETRY_S, reason="full")
 
 
-__all__ = ["FULL", "WINDOW_S", "Admission"]
+__all__ = ["FULL", "WINDOW_S", "Admission", "crowd"]

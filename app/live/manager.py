@@ -2,12 +2,11 @@
 
 import asyncio
 import logging
-import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
-from weakref import WeakValueDictionary
+from weakref import WeakSet, WeakValueDictionary
 
 from sqlalchemy import Engine
 
@@ -16,7 +15,7 @@ from app.errors import Conflict, TelemotionError, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
 from app.live import repository
-from app.live.admission import FULL, WINDOW_S, Admission
+from app.live.admission import FULL, Admission, crowd
 from app.live.bus import Bus, topic
 from app.live.checks.plausibility import CheckProcess
 from app.live.engine.lane import Lane
@@ -45,8 +44,6 @@ from estimators.pipelines import SessionSetup
 logger = logging.getLogger(__name__)
 
 _NOT_CLOSED = say("live.not_closed")
-QUIET_S: Final = 60.0
-"""A session from which nothing came for longer is not expected to stream at any moment."""
 MARK_S: Final = 10.0
 """From one checkpoint of a session to the next: about so much of it at most is estimated again after a restart."""
 ENDINGS: Final = 2
@@ -62,6 +59,8 @@ class Shared:
     """Takes the packets of all sessions that it can take."""
     check: CheckProcess = field(default_factory=CheckProcess)
     admission: Admission = field(default_factory=Admission)
+    sides: "WeakSet[LiveManager]" = field(default_factory=WeakSet)
+    """Whose sessions share the machine."""
 
 
 class LiveManager(SteeredSide):
@@ -130,7 +129,8 @@ class LiveManager(SteeredSide):
         self._being_opened: set[str] = set()
         self._sent_away: dict[str, Sentence] = {}
         """Sessions whose gateway is to come again later, and why."""
-        self.admission = shared.admission
+        self.admission, self._sides = shared.admission, shared.sides
+        shared.sides.add(self)
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
         self._opener = Opener(engine, writer, bus, place, self._check_process)
@@ -306,10 +306,7 @@ class LiveManager(SteeredSide):
 
     def _admit(self, session_id: str) -> None:
         """Let a session in that has not streamed yet, while there is room."""
-        now_s = time.monotonic()
-        measured = [one for one in self.sessions if now_s - one.opened_s > WINDOW_S]
-        streaming = sum(now_s - one.last_arrival_s < WINDOW_S for one in measured)
-        quiet = sum(now_s - one.last_arrival_s < QUIET_S for one in self.sessions) - streaming
+        streaming, quiet = crowd([one for side in self._sides for one in side.sessions])
         try:
             self.admission.require_room(streaming, quiet + len(self._being_opened))
         except Unavailable:

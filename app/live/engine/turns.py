@@ -4,10 +4,12 @@ A turn begins some milliseconds after the first packet that waits for it. Packet
 checked, placed, estimated and written as blocks without the interpreter's lock; then Python stores and publishes them.
 Rare packets, and those of sessions in no pool, take the general way, in their order. Everything runs on the event
 loop's thread, but for the compiled calls of pools that have much to do, which a thread makes (`step_thread`). Whoever
-else reads a session or moves it on ends the turn first (`Lane.settle`): what is done to it is done between two turns.
+else reads a session or moves it on ends first what threads do with its packets (`Lane.settle`): what is done to it is
+done between two turns of its own.
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections.abc import Hashable
@@ -29,7 +31,8 @@ LATE_S: Final = 0.1
 until a turn lasts half as long. What is estimated and stored stays whole."""
 WAIT_PER_WORK: Final = 1.0
 """A turn waits so many times as long as the one before lasted: the more there is, the more is taken together."""
-
+PATIENCE_S: Final = 0.25
+"""Who waits for the time between two turns waits no longer."""
 ASKED: Final = 12
 """Packets of one pool that are worth a wake of its thread, some 0.1 ms; fewer are taken at once."""
 
@@ -132,10 +135,15 @@ class PooledEngine:
         return max(found, time.perf_counter() - self._began_s) if self._open else found
 
     async def between_turns(self) -> None:
-        """Return when no thread works on packets: whoever settles sessions then does not hold up the event loop."""
-        while self._open:
-            self._is_between.clear()
-            await self._is_between.wait()
+        """Return when no thread works on packets: whoever settles sessions then does not hold up the event loop.
+
+        Where packets come faster than they are worked on there is no such moment: then it returns after `PATIENCE_S`.
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(PATIENCE_S):
+                while self._open:
+                    self._is_between.clear()
+                    await self._is_between.wait()
 
     def begin(self) -> None:
         """Begin to give all packets that wait to their sessions; what threads have to do of it ends later.
@@ -252,13 +260,16 @@ class PooledEngine:
         was_giving, self._is_giving = self._is_giving, True
         try:
             self._open.remove(part)
-            pool.wait()
-            more[:0] = self._show(pool, items)
-        except Exception as error:
-            self._failed(items, error)
-        self._take_parts(pool, more)
-        self._is_giving = was_giving
-        self._close_turn()
+            try:
+                pool.wait()
+                more[:0] = self._show(pool, items)
+            except Exception as error:
+                self._failed(items, error)
+            self._take_parts(pool, more)
+        finally:
+            # Whatever happened, the next turn must begin.
+            self._is_giving = was_giving
+            self._close_turn()
 
     def _fill(self, pool: SessionPool, items: _Items) -> None:
         pool.fill(

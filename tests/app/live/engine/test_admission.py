@@ -103,6 +103,17 @@ def test_so_many_that_packets_came_late_are_not_let_in_again_for_a_while(
     admission.require_room(streaming=90, quiet=0)
 
 
+@pytest.mark.parametrize("streaming", [0, 3])
+def test_a_few_are_not_remembered_as_too_many(streaming: int) -> None:
+    """A large page or an export made the loop late: the next patient of a small clinic comes in right after it."""
+    admission = measured(0.5, packets_s=0.04)
+    with pytest.raises(Unavailable):
+        admission.require_room(streaming, quiet=0)
+    for _ in range(12):
+        admission.note(0.25, 0.02, 0.0)
+    admission.require_room(streaming, quiet=0)
+
+
 def test_it_recovers_within_its_window() -> None:
     admission = measured(1.0, late_s=1.0)
     for _ in range(round(WINDOW_S / 0.25)):

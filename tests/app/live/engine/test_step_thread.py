@@ -248,3 +248,50 @@ def test_the_loop_waits_for_no_thread_to_begin_a_turn_and_none_is_forgotten(
         pair.compare()
 
     asyncio.run(run())
+
+
+def test_who_waits_between_turns_waits_a_moment_where_there_is_no_such_time(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(turns, "PATIENCE_S", 0.01)
+
+    async def run() -> None:
+        monkeypatch.setattr(manager.pooled, "_answered", lambda _: None)
+        pair, packets = await begun(manager, world, engine)
+        offered(pair, packets[:3])
+        manager.pooled.begin()
+        assert manager.pooled._open
+        async with asyncio.timeout(PATIENCE_S):
+            await manager.pooled.between_turns()
+        assert manager.pooled._open, "its answer was not read"
+        manager.pooled.finish()
+
+    asyncio.run(run())
+
+
+def test_a_turn_whose_failure_fails_too_is_followed_by_the_next(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        engine_of_turns = manager.pooled
+
+        def fails(*_: Any) -> Any:
+            raise FloatingPointError("made for a test")
+
+        offered(pair, packets[:3])
+        engine_of_turns.begin()
+        monkeypatch.setattr(engine_of_turns, "_show", fails)
+        monkeypatch.setattr(engine_of_turns, "_failed", fails)
+        offered(pair, packets[3:5], 3)
+        engine_of_turns.begin()
+        with pytest.raises(FloatingPointError):
+            engine_of_turns.finish()
+        monkeypatch.undo()
+        turns_before = engine_of_turns.turns
+        await asyncio.sleep(0)
+        assert not engine_of_turns._journals[engine_of_turns._filling].received, "the next turn has begun"
+        engine_of_turns.finish()
+        assert engine_of_turns.turns == turns_before + 1
+
+    asyncio.run(run())
