@@ -13,7 +13,7 @@ from estimators.comparison import compare, measure_unit, measures_beside
 from estimators.errors import SetupError
 from tests.estimators.comparison.conftest import make_planar
 
-from .drawing import MAIN, planar_template, store_template
+from .templates.drawing import MAIN, planar_template, store_template
 
 RANGE = f"range:{MAIN}"
 SUM = [{"measure": RANGE, "weight": 1.0}, {"measure": "duration", "weight": -2.5}]

@@ -13,7 +13,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise
 from app.recordings.models import Job, MotionSession
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
-from tests.app.assessment.performed import (
+from tests.app.assessment.templates.performed import (
     ARM,
     MAIN,
     patients,

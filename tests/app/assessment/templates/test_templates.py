@@ -9,7 +9,7 @@ from sqlalchemy import Engine, select
 from app.database.unit_of_work import read_only
 from app.exercises.models import TemplateVersion
 from estimators.simulation import SimulatedSession
-from tests.app.assessment.performed import (
+from tests.app.assessment.templates.performed import (
     MAIN,
     patients,
     quiet_queue,
