@@ -128,7 +128,8 @@ class Admission:
             self._most = math.inf
         if is_whole and busy > CROWDED_BUSY and late_s[3 * turns // 4] > CROWDED_S:
             is_late = True
-            if streaming >= CROWD:
+            if streaming >= (CROWD if self._most == math.inf else CARRIED * self._most):
+                # Far fewer than are known to be carried are late for another reason: those who left are analysed.
                 self._most = min(self._most, CARRIED * streaming)
                 self._most_until_s = now_s + REMEMBERED_S
         if is_late or streaming + quiet >= self._most or busy + (quiet + 1) * cost > MOST_BUSY:

@@ -99,6 +99,14 @@ def test_so_many_that_packets_came_late_are_not_let_in_again_for_a_while(
     with pytest.raises(Unavailable):
         admission.require_room(streaming=85, quiet=5)
     admission.require_room(streaming=50, quiet=5)
+    # Half of them have ended, and what they left is analysed: that is late, too, but says nothing of how many fit.
+    for _ in range(12):
+        admission.note(0.25, 0.125, 0.0, 0.04)
+    with pytest.raises(Unavailable):
+        admission.require_room(streaming=50, quiet=0)
+    for _ in range(12):
+        admission.note(0.25, 0.1, 0.0)
+    admission.require_room(streaming=50, quiet=0)
     now[0] += REMEMBERED_S + 1.0
     admission.require_room(streaming=90, quiet=0)
 
