@@ -122,15 +122,17 @@ class LiveManager(SteeredSide):
             note=self._note_where,
             between_turns=shared.pooled.between_turns,
         )
-        self._marks, self._is_stopping = Marks(MARK_S), False
+        self._marks = Marks(MARK_S)
+        self._is_stopping = False
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._readiness = shared.readiness
         self._being_opened: set[str] = set()
         self._sent_away: dict[str, Sentence] = {}
         """Sessions whose gateway is to come again later, and why."""
-        self.admission, self._sides = shared.admission, shared.sides
-        shared.sides.add(self)
+        self.admission = shared.admission
+        self._sides = shared.sides
+        self._sides.add(self)
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
         self._opener = Opener(engine, writer, bus, place, self._check_process)

@@ -61,7 +61,7 @@ class PooledEngine:
         self.rare = 0
         """Packets that took the general way."""
         self.turns = 0
-        self.longest_turn_s = self._longest_of_late_s = 0.0
+        self.longest_turn_s = self._longest_since_asked_s = 0.0
         self.unshown = 0
         """Blocks that somebody would have watched, left out because turns were late."""
         self.is_late = False
@@ -131,7 +131,7 @@ class PooledEngine:
 
     def take_longest_s(self) -> float:
         """Return how long the longest turn lasted since the last call; one that still lasts counts so far."""
-        found, self._longest_of_late_s = self._longest_of_late_s, 0.0
+        found, self._longest_since_asked_s = self._longest_since_asked_s, 0.0
         return max(found, time.perf_counter() - self._began_s) if self._open else found
 
     async def between_turns(self) -> None:
@@ -178,7 +178,7 @@ class PooledEngine:
         lasted_s = time.perf_counter() - self._began_s
         self.turns += 1
         self.longest_turn_s = max(self.longest_turn_s, lasted_s)
-        self._longest_of_late_s = max(self._longest_of_late_s, lasted_s)
+        self._longest_since_asked_s = max(self._longest_since_asked_s, lasted_s)
         self.is_late = lasted_s > (0.5 * LATE_S if self.is_late else LATE_S)
         self._wait_s = min(max(WAIT_PER_WORK * lasted_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
         self._is_between.set()

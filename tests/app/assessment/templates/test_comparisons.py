@@ -13,19 +13,10 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise
 from app.recordings.models import Job, MotionSession
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
-from tests.app.assessment.templates.performed import (
-    ARM,
-    MAIN,
-    patients,
-    quiet_queue,
-    run_queue,
-    store,
-    template_version,
-    therapists,
-)
 
-__all__ = ["patients", "quiet_queue", "run_queue", "store", "template_version", "therapists"]
-"""Fixtures."""
+from .conftest import ARM, MAIN
+
+pytestmark = pytest.mark.usefixtures("quiet_queue")
 
 
 def prescribe(therapist: Any, world: Any, template_id: str) -> str:

@@ -9,18 +9,10 @@ from sqlalchemy import Engine, select
 from app.database.unit_of_work import read_only
 from app.exercises.models import TemplateVersion
 from estimators.simulation import SimulatedSession
-from tests.app.assessment.templates.performed import (
-    MAIN,
-    patients,
-    quiet_queue,
-    run_queue,
-    store,
-    template_version,
-    therapists,
-)
 
-__all__ = ["patients", "quiet_queue", "run_queue", "store", "template_version", "therapists"]
-"""Fixtures."""
+from .conftest import MAIN
+
+pytestmark = pytest.mark.usefixtures("quiet_queue")
 
 
 def test_a_preview_shows_repetitions_on_top_of_each_other(

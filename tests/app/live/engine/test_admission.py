@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from app.limits import Limits
 from app.live import repository
 from app.live.admission import FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission
 from app.live.bus import MemoryBus
-from app.live.manager import LiveManager
+from app.live.manager import LiveManager, Shared
 from app.live.session.intake import Intake
 from app.live.warmup import FIRST, warm_up
 from app.network.declaration import check_hello
@@ -120,6 +121,27 @@ def test_a_few_are_not_remembered_as_too_many(streaming: int) -> None:
     for _ in range(12):
         admission.note(0.25, 0.02, 0.0)
     admission.require_room(streaming, quiet=0)
+
+
+def test_partitions_of_one_worker_count_their_sessions_together(
+    engine: Engine, settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shared, limits = Shared(), Limits({"streams": settings.limit_streams})
+    one, other = (
+        LiveManager(
+            engine, GroupCommitWriter(engine), MemoryBus(), lambda _: None, limits=limits, shared=shared
+        )
+        for _ in range(2)
+    )
+    now_s = time.monotonic()
+    for manager, since_s in ((one, 1.0), (one, 30.0), (other, 1.0)):
+        session = SimpleNamespace(opened_s=now_s - 100.0, last_arrival_s=now_s - since_s)
+        manager._sessions[str(len(manager.sessions))] = session  # type: ignore[assignment]
+    asked: list[tuple[int, int]] = []
+    monkeypatch.setattr(shared.admission, "require_room", lambda *counts: asked.append(counts))
+    one._admit("new")
+    other._admit("new")
+    assert asked == [(2, 1), (2, 1)]
 
 
 def test_it_recovers_within_its_window() -> None:

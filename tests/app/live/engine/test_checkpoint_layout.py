@@ -13,15 +13,15 @@ from sqlalchemy import Engine
 from app.live.manager import LiveManager
 from app.live.session.checkpoint import LAYOUT, capture
 from estimators.orientation import available, create
-from tests.app.live.engine.both_ways import Faults, Sender, packets_of, worn
+from tests.app.live.engine.both_ways import Sender, packets_of, worn
 from tests.app.live.engine.test_both_ways import ARM, manager, no_checks
+from tests.app.live.engine.test_late_turns import PLAIN
 from tests.app.live.live_load import connected, remember, swaying
 
 __all__ = ["manager", "no_checks"]
 
 KNOWN = (3, "af0a8761e2552918")
 """Layout, and what was in a checkpoint then."""
-PLAIN = Faults(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False, (5,), 0.0, (), ())
 
 
 def described(name: str, arrays: Any) -> list[str]:

@@ -118,7 +118,7 @@ def template_version(therapist: Any, store: Any, world: Any, therapists: Simulat
     return answer.json()
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def quiet_queue(services: Any) -> None:
     """The tests do the tasks themselves."""
     services.get(JobRunner).stop()
