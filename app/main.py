@@ -55,6 +55,7 @@ from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
 from app.live.session.opening import Place
+from app.live.shared import Shared
 from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
 from app.observation import observe
@@ -182,7 +183,8 @@ async def open_services(
 
     await to_thread.run_sync(remove_orphans, engine, settings)
     prepare_processes()
-    jobs = JobRunner(engine, settings, job_handlers())
+    shared = Shared()
+    jobs = JobRunner(engine, settings, job_handlers(), has_crowd=shared.has_crowd)
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
     services.add(jobs)
@@ -201,6 +203,7 @@ async def open_services(
         longest_s=settings.session_limit_hours * 3600.0,
         place=Place(settings.hemisphere, settings.time_zone),
         confirmation_hours=settings.implant_confirmation_hours,
+        shared=shared,
     )
     await live.start()
     stack.push_async_callback(live.stop)

@@ -146,7 +146,7 @@ class _WorkerOpening:
         stack.callback(measuring.cancel)
         worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
         services.add(worker.bus, MemoryBus)
-        tasks = Tasks(services, broker)
+        tasks = Tasks(services, broker, shared.has_crowd)
         await tasks.start()
         stack.push_async_callback(tasks.stop)
         await _watch_readiness(services, stack, lock)
@@ -201,10 +201,12 @@ class Tasks:
     ----------
     services : Services
     broker : Broker
+    has_crowd : callable()
+        See `JobRunner`.
     """
 
-    def __init__(self, services: Services, broker: Broker) -> None:
-        self._services, self._broker = services, broker
+    def __init__(self, services: Services, broker: Broker, has_crowd: Callable[[], bool]) -> None:
+        self._services, self._broker, self._has_crowd = services, broker, has_crowd
         self._lock = RunnerLock(services.settings.database_url, "telemotion tasks")
         self._runner: JobRunner | None = None
         self._loop = asyncio.get_running_loop()
@@ -226,7 +228,10 @@ class Tasks:
         await to_thread.run_sync(self._lock.release)
 
     def _made(self) -> JobRunner:
-        return JobRunner(self._services.engine, self._services.settings, job_handlers(), self._lock)
+        services = self._services
+        return JobRunner(
+            services.engine, services.settings, job_handlers(), self._lock, has_crowd=self._has_crowd
+        )
 
     async def _run(self) -> None:
         while True:

@@ -3,10 +3,9 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
-from weakref import WeakSet, WeakValueDictionary
+from weakref import WeakValueDictionary
 
 from sqlalchemy import Engine
 
@@ -15,11 +14,9 @@ from app.errors import Conflict, TelemotionError, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
 from app.live import repository
-from app.live.admission import FULL, Admission, crowd
+from app.live.admission import FULL, crowd
 from app.live.bus import Bus, topic
-from app.live.checks.plausibility import CheckProcess
 from app.live.engine.lane import Lane
-from app.live.engine.turns import PooledEngine
 from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
@@ -32,8 +29,9 @@ from app.live.session.saver import until_written
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.session.streamed import Streamed
+from app.live.shared import Shared
 from app.live.side import SteeredSide
-from app.live.warmup import COMING_BACK_S, PREPARING, Readiness, prepare_process
+from app.live.warmup import COMING_BACK_S, PREPARING, prepare_process
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -48,19 +46,6 @@ MARK_S: Final = 10.0
 """From one checkpoint of a session to the next: about so much of it at most is estimated again after a restart."""
 ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
-
-
-@dataclass
-class Shared:
-    """What the managers of a process have in common; a service in one process has one manager."""
-
-    readiness: Readiness = field(default_factory=Readiness)
-    pooled: PooledEngine = field(default_factory=PooledEngine)
-    """Takes the packets of all sessions that it can take."""
-    check: CheckProcess = field(default_factory=CheckProcess)
-    admission: Admission = field(default_factory=Admission)
-    sides: "WeakSet[LiveManager]" = field(default_factory=WeakSet)
-    """Whose sessions share the machine."""
 
 
 class LiveManager(SteeredSide):
@@ -131,8 +116,8 @@ class LiveManager(SteeredSide):
         self._sent_away: dict[str, Sentence] = {}
         """Sessions whose gateway is to come again later, and why."""
         self.admission = shared.admission
-        self._sides = shared.sides
-        self._sides.add(self)
+        self._shared = shared
+        shared.sides.add(self)
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
         self._opener = Opener(engine, writer, bus, place, self._check_process)
@@ -308,7 +293,7 @@ class LiveManager(SteeredSide):
 
     def _admit(self, session_id: str) -> None:
         """Let a session in that has not streamed yet, while there is room."""
-        streaming, quiet = crowd([one for side in self._sides for one in side.sessions])
+        streaming, quiet = crowd(self._shared.sessions)
         try:
             self.admission.require_room(streaming, quiet + len(self._being_opened))
         except Unavailable:

@@ -96,8 +96,8 @@ class OpenSession:
         Monotonic time at which the first item that waits came.
     repeat : Batch or None
         A batch whose commit failed; it goes first, unchanged, not before `repeat_at_s`.
-    head_start_s : float
-        The first chunk is so much shorter: sessions that begin together must not be due together.
+    head_start : float
+        By this share the first chunk is shorter: sessions that begin together must not be due together.
     strides : dict
         See `Batch`.
     """
@@ -121,7 +121,7 @@ class OpenSession:
     repeat: Batch | None = None
     repeat_at_s: float = 0.0
     attempts: int = 0
-    head_start_s: float = 0.0
+    head_start: float = 0.0
     strides: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -159,7 +159,7 @@ class OpenSession:
 
     def _begin(self, came_s: float) -> None:
         # Arrivals that another machine noted may lie in the future: then nothing would be due.
-        self.oldest_s, self.head_start_s = min(came_s, time.monotonic()) - self.head_start_s, 0.0
+        self.oldest_s = min(came_s, time.monotonic())
 
     def is_due(self, now_s: float, chunk_s: float, *, everything: bool) -> bool:
         """Whether the next commit should take from this session."""
@@ -167,7 +167,7 @@ class OpenSession:
             return False
         if self.repeat is not None:
             return everything or now_s >= self.repeat_at_s
-        is_old = self.oldest_s is not None and now_s - self.oldest_s >= chunk_s
+        is_old = self.oldest_s is not None and now_s - self.oldest_s >= (1.0 - self.head_start) * chunk_s
         return everything or self.is_urgent or is_old or bool(self.waiting)
 
     def take(self) -> Batch:
@@ -179,7 +179,7 @@ class OpenSession:
         batch.strides = self.strides
         batch.checkpoint, self.checkpoint = self.checkpoint, None
         self.packets, self.frame_parts, self.events, self.waiting = [], [], [], []
-        self.size, self.oldest_s, self.is_urgent = 0, None, False
+        self.size, self.oldest_s, self.is_urgent, self.head_start = 0, None, False, 0.0
         return batch
 
     def drop(self, failure: TelemotionError) -> list[Future[SequenceRanges]]:

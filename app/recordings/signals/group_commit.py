@@ -1,10 +1,11 @@
 """The one writer of signals: many sessions, one transaction every tenth of a second.
 
 A live session hands over packets, frames and events from any thread and never waits for the disk. They
-gather in chunks of about one second; a writer thread packs those that are due in compiled code and commits them
-together, one statement a table. Chunks of different sessions end at moments spread over the second: a commit
-takes few. Only then does a session learn which packets are durable, and only those may be acknowledged to its
-gateway, which keeps and repeats the rest: a crash loses nothing acknowledged.
+gather in chunks of about one second, of more where there are many sessions; a writer thread packs those that
+are due in compiled code and commits them together, one statement a table. Chunks of different sessions end at
+moments spread over that time: a commit takes few. Only then does a session learn which packets are durable,
+and only those may be acknowledged to its gateway, which keeps and repeats the rest: a crash loses nothing
+acknowledged.
 
 Back-pressure, said plainly. What waits is bounded in bytes, in total and per session. When full:
 
@@ -57,6 +58,10 @@ logger = logging.getLogger(__name__)
 
 COMMIT_INTERVAL_S: Final = 0.1
 CHUNK_S: Final = 1.0
+LONGEST_CHUNK_S: Final = 3.0
+"""A gateway keeps what is not acknowledged: it must not have to keep much."""
+SESSIONS_A_SECOND: Final = 125
+"""Whose chunks end within a second: what a session costs to commit depends little on how long its chunk is."""
 COMMIT_BYTES: Final = 32 * 1024 * 1024
 QUEUE_BYTES: Final = 256 * 1024 * 1024
 SESSION_BYTES: Final = 32 * 1024 * 1024
@@ -73,7 +78,8 @@ class GroupCommitWriter:
     commit_interval_s : float
         Longest time between commits while something is due.
     chunk_s : float
-        A chunk is closed when its first item is this old; acknowledgements follow one commit later.
+        A chunk is closed when its first item is this old; acknowledgements follow one commit later. Where more than
+        `SESSIONS_A_SECOND` are open, it takes in proportion longer, up to `LONGEST_CHUNK_S`.
     commit_bytes, queue_bytes, session_bytes : int
         Commit early above the first, a session above an eighth of the last; refuse above the others (see the
         module text).
@@ -158,7 +164,7 @@ class GroupCommitWriter:
             on_durable=on_durable,
             on_failure=on_failure,
             next_chunk=standing.next_chunk,
-            head_start_s=self._chunk_s * next(self._shares),
+            head_start=next(self._shares),
             strides=standing.strides,
         )
         with self._lock:
@@ -369,11 +375,13 @@ class GroupCommitWriter:
 
     def _take_due(self, *, everything: bool) -> list[tuple[OpenSession, Batch]]:
         now_s = time.monotonic()
+        crowded_s = min(len(self._sessions) / SESSIONS_A_SECOND, LONGEST_CHUNK_S)
+        chunk_s = max(self._chunk_s, crowded_s)
         return [
             (session, session.take())
             for session in self._sessions.values()
             if session.is_due(
-                now_s, self._chunk_s, everything=everything and (self._stopping or not session.repeat)
+                now_s, chunk_s, everything=everything and (self._stopping or not session.repeat)
             )
         ]
 

@@ -94,7 +94,7 @@ def test_a_run_is_due_when_its_first_packet_is_old_enough(
     writer = GroupCommitWriter(engine)
     writer.open_session(session_id)
     open_session = writer._sessions[session_id]
-    open_session.head_start_s = 0.0
+    open_session.head_start = 0.0
     writer.append_run(session_id, PacketRun(0, messages(4), arrivals(4)), time.monotonic() - 0.9 * CHUNK_S)
     assert not open_session.is_due(time.monotonic(), CHUNK_S, everything=False)
     assert open_session.is_due(time.monotonic() + 0.11 * CHUNK_S, CHUNK_S, everything=False)

@@ -18,9 +18,9 @@ from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession, SignalChunk
 from app.recordings.signals.buffers import Batch
-from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.group_commit import LONGEST_CHUNK_S, SESSIONS_A_SECOND, GroupCommitWriter
 from app.recordings.signals.rows import write_batches
-from app.recordings.signals.store import read_packets
+from app.recordings.signals.store import Standing, read_packets
 from estimators.pipelines import FrameLayout, Frames
 
 APPEND_CALLS = 471
@@ -241,3 +241,26 @@ def test_sessions_that_begin_together_are_not_due_together(
         due.append(len(writer._take_due(everything=False)))
     assert sum(due) == 20
     assert max(due) <= 4, due
+
+
+@pytest.mark.parametrize(
+    ("sessions", "longest_s"), [(50, 1.0), (250, 250 / SESSIONS_A_SECOND), (500, LONGEST_CHUNK_S)]
+)
+def test_chunks_of_many_sessions_are_longer_but_not_too_long(
+    engine: Engine, monkeypatch: pytest.MonkeyPatch, sessions: int, longest_s: float
+) -> None:
+    now_s = 1000.0
+    monkeypatch.setattr("time.monotonic", lambda: now_s)
+    writer = GroupCommitWriter(engine)
+    nothing = Standing(SequenceRanges(), 0, {})
+    for number in range(sessions):
+        writer.open_session(str(number), standing=nothing)
+        writer.append_packet(str(number), counts_packet(0))
+    # The first chunks are shorter, so that not all end together.
+    writer._take_due(everything=True)
+    for number in range(sessions):
+        writer.append_packet(str(number), counts_packet(1))
+    now_s = 1000.0 + 0.99 * longest_s
+    assert not writer._take_due(everything=False)
+    now_s = 1000.0 + 1.01 * longest_s
+    assert len(writer._take_due(everything=False)) == sessions

@@ -1,0 +1,46 @@
+"""What the managers of a process have in common; a service in one process has one manager."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Protocol
+from weakref import WeakSet
+
+from app.live.admission import CROWD, Admission, crowd
+from app.live.checks.plausibility import CheckProcess
+from app.live.engine.turns import PooledEngine
+from app.live.session.runner import LiveSession
+from app.live.warmup import Readiness
+
+
+class HasSessions(Protocol):
+    """Has live sessions of this process."""
+
+    @property
+    def sessions(self) -> Collection[LiveSession]:
+        """These, as of now."""
+
+
+@dataclass
+class Shared:
+    """What the managers of a process have in common."""
+
+    readiness: Readiness = field(default_factory=Readiness)
+    pooled: PooledEngine = field(default_factory=PooledEngine)
+    """Takes the packets of all sessions that it can take."""
+    check: CheckProcess = field(default_factory=CheckProcess)
+    admission: Admission = field(default_factory=Admission)
+    sides: WeakSet[HasSessions] = field(default_factory=WeakSet)
+    """Whose sessions share the machine."""
+
+    @property
+    def sessions(self) -> list[LiveSession]:
+        """All live sessions of this process."""
+        return [one for side in self.sides for one in side.sessions]
+
+    def has_crowd(self) -> bool:
+        """Whether so many stream that their frames would be late for whatever else the machine does; any thread."""
+        streaming, _ = crowd(self.sessions)
+        return streaming >= CROWD
+
+
+__all__ = ["Shared"]
