@@ -33,6 +33,12 @@ _NO_VARIANCE = np.empty((0, 3))
 _UNCALIBRATED = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
 
 
+def _text(calibration: Calibration | None) -> NDArray[np.uint8]:
+    """Return a calibration as bytes of JSON."""
+    text = json.dumps(None if calibration is None else asdict(calibration))
+    return np.frombuffer(text.encode(), dtype=np.uint8)
+
+
 class BodyNetwork:
     """Runs the orientation filter of a network and turns its result into segments.
 
@@ -59,6 +65,7 @@ class BodyNetwork:
         self._memory_tick = np.full(slots, -1, dtype=np.int64)
         self._memory_q = np.full((slots, self.sensor_count, 4), np.nan)
         self._memory_flags = np.zeros((slots, self.sensor_count), dtype=np.uint8)
+        self._written: tuple[Calibration | None, NDArray[np.uint8]] = (None, _text(None))
         self._apply(setup.calibration)
         if setup.calibration is not None:
             lay = setup.calibration.method.startswith(("level", "static", "bias"))
@@ -371,9 +378,11 @@ class BodyNetwork:
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the filter's state, the calibration in force and the short memory for a pose."""
         found = self.setup.calibration
-        text = json.dumps(None if found is None else asdict(found))
+        if found is not self._written[0]:
+            # The state of a live session is asked for again and again; its calibration hardly ever changes.
+            self._written = (found, _text(found))
         state = {f"orientation.{name}": values for name, values in self._filter.state().items()}
-        state["calibration"] = np.frombuffer(text.encode(), dtype=np.uint8).copy()
+        state["calibration"] = self._written[1].copy()
         state["next_tick"] = np.array(self._next_tick, dtype=np.int64)
         state["memory_tick"] = self._memory_tick.copy()
         state["memory_q"] = self._memory_q.copy()

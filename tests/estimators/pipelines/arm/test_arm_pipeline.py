@@ -1,6 +1,7 @@
 """The arm pipeline: its contract with every filter, any sensible placements, calibration, gaps."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from estimators.conventions import PLACEMENTS
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, available
 from estimators.pipelines import SessionSetup, concatenate, create
+from estimators.pipelines.arm import body
 from estimators.recording import SampleQuality
 from tests.said import refuses
 
@@ -247,6 +249,19 @@ def test_extra_sensors_are_segments_only(simulate):
     column = truth.layout.segments.index("thigh_left")
     dot = np.abs(np.sum(after.q_room_segment[:, 1] * truth.q_room_segment[600:, column], axis=1))
     assert np.degrees(2 * np.arccos(np.clip(dot, 0, 1))).max() < 25
+
+
+def test_the_calibration_is_written_once_for_all_checkpoints(session, ticks, monkeypatch):
+    written = []
+    monkeypatch.setattr(body, "asdict", lambda found: written.append(found) or asdict(found))
+    pipeline = create(session.setup)
+    assert pipeline.state()["calibration"].tobytes() == b"null"
+    pipeline.step(ticks.ticks(0, 600))
+    found = pipeline.calibrate(ticks.ticks(300, 600))
+    states = [pipeline.state()["calibration"].tobytes() for _ in range(3)]
+    assert written == [found]
+    assert len(set(states)) == 1
+    assert json.loads(states[0])["method"] == found.method
 
 
 def test_wrong_state_is_refused(session, ticks):
