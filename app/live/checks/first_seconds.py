@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from app.errors import Unavailable
 from app.live.checks.plausibility import Check, check
 from app.live.checks.recent import LATE_TICKS, RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
@@ -168,6 +169,9 @@ class FirstSeconds:
             self._state.forget(name)
         try:
             checked = await asyncio.to_thread(self._work, self._state, newest)
+        except Unavailable:
+            # The service is stopping.
+            return None
         except Exception:
             # A check that fails must not end the session.
             logger.exception("the readings could not be checked")

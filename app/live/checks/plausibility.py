@@ -11,7 +11,7 @@ import resource
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Final, NamedTuple
 
@@ -91,7 +91,7 @@ class CheckProcess:
         """
         with self._lock:
             if self._is_closed:
-                raise Unavailable(say("live.stopping"), reason="stopping")
+                raise _stopping()
             if self._pool is None:
                 self._pool = ProcessPoolExecutor(
                     1, mp_context=multiprocessing.get_context("spawn"), initializer=_begin
@@ -99,8 +99,10 @@ class CheckProcess:
             pool = self._pool
         try:
             return pool.submit(check, state, chunk).result()
-        except BrokenProcessPool:
+        except (BrokenProcessPool, CancelledError) as error:
             with self._lock:
+                if self._is_closed:
+                    raise _stopping() from error
                 if self._pool is pool:
                     self._end()
             raise
@@ -123,6 +125,10 @@ class CheckProcess:
             for process in list((pool._processes or {}).values()):
                 process.terminate()
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _stopping() -> Unavailable:
+    return Unavailable(say("live.stopping"), reason="stopping")
 
 
 def _begin() -> None:

@@ -5,6 +5,7 @@ import resource
 import signal
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from pathlib import Path
@@ -65,6 +66,22 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
     assert resource.prlimit(pid, resource.RLIMIT_AS)[0] <= MEMORY_BYTES
     opened = [os.readlink(one) for one in Path(f"/proc/{pid}/fd").iterdir()]
     assert not [name for name in opened if name.startswith("socket:")]
+
+
+def test_a_check_under_way_when_the_service_stops_has_not_failed(in_g: ImuChunk) -> None:
+    process = CheckProcess()
+    process(RecordingCheck(NAMES), in_g)
+    (pid,) = process.process_ids
+    os.kill(pid, signal.SIGSTOP)
+    with ThreadPoolExecutor(1) as thread:
+        checking = thread.submit(process, RecordingCheck(NAMES), in_g)
+        while not checking.running():
+            time.sleep(0.01)
+        time.sleep(0.1)
+        process.close()
+        os.kill(pid, signal.SIGCONT)
+        with pytest.raises(Unavailable):
+            checking.result(PATIENCE_S)
 
 
 def test_it_comes_back_when_it_has_died_and_ends_for_good(process: CheckProcess, in_g: ImuChunk) -> None:

@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
+from app.sentences import say
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
@@ -73,6 +75,18 @@ def test_a_check_that_fails_does_not_end_the_session(
     watch, told = asyncio.run(watched(sound))
     assert (told, watch.hint) == ([], "")
     assert "could not be checked" in caplog.text
+
+
+def test_a_check_that_the_end_of_the_service_cuts_off_is_no_error(
+    sound: ImuChunk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def stopping(*_: object) -> None:
+        raise Unavailable(say("live.stopping"), reason="stopping")
+
+    monkeypatch.setattr("estimators.calibration.RecordingCheck.add", stopping)
+    watch, told = asyncio.run(watched(sound))
+    assert (told, watch.hint) == ([], "")
+    assert not caplog.records
 
 
 def test_a_silent_sensor_is_left_to_the_health_of_the_link(sound: ImuChunk) -> None:
