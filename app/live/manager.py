@@ -286,7 +286,7 @@ class LiveManager(SteeredSide):
             del self._intakes[intake.session_id]
             if (session := self._sessions.get(intake.session_id)) is not None:
                 # What came with it counts before its end.
-                self.pooled.turn()
+                self.pooled.take(session.lane)
                 # After a goodbye with nothing missing the housekeeping closes the session; otherwise the
                 # gateway still has packets to bring.
                 session.link_lost(say("live.connection_ended"))
@@ -377,7 +377,7 @@ class LiveManager(SteeredSide):
                     await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
                 else:
                     # What came before the wish to close is taken.
-                    self.pooled.turn()
+                    self.pooled.take(session.lane)
                     session.begin_closing(reason)
                 self._housekeeping.taken_up(session_id)
                 task = asyncio.create_task(self._finish(session_id, session), name="session close")

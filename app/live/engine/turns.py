@@ -118,6 +118,20 @@ class PooledEngine:
         self.begin()
         self.finish()
 
+    def take(self, lane: Lane | None) -> None:
+        """Give a session all of its packets that wait, for instance before it ends.
+
+        Where none does, as after a goodbye, threads go on with the packets of others and nobody waits for them.
+
+        Parameters
+        ----------
+        lane : Lane or None
+            None where packets of the session go the general way: then it waits as for `turn`.
+        """
+        self.finish(lane)
+        if any(one[SENDER].lane is lane for one in self._journals[self._filling].received):
+            self.turn()
+
     def finish(self, lane: Lane | None = None) -> None:
         """End what threads work on: whoever reads or moves a session sees it with all of its packets.
 

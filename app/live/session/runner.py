@@ -402,12 +402,14 @@ class LiveSession(PooledSession):
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))
         await self._saver.saved()
-        devices = (self.id, self.declaration.serial_of, self.pipeline.device_constants)
+        serials, pipeline = self.declaration.serial_of, self.pipeline
         known = (self.id, self.result_id, self.session_time_s, self.ledger.missing_count)
-        for write in (
-            partial(save_device_constants, self._engine, *devices),
-            partial(repository.finish_stream, self._engine, *known),
-        ):
+
+        def save_constants() -> None:
+            # What was learnt is computed here, in the thread that writes: of many sensors it takes milliseconds.
+            save_device_constants(self._engine, self.id, serials, pipeline.device_constants)
+
+        for write in (save_constants, partial(repository.finish_stream, self._engine, *known)):
             await until_written(write)
         self._writer.close_session(self.id)
 

@@ -13,6 +13,7 @@ import pytest
 from sqlalchemy import Engine
 
 from app.live.engine import turns
+from app.live.engine.lane import Lane
 from app.live.engine.step_thread import StepThread
 from app.live.manager import LiveManager
 from tests.app.live.engine.both_ways import offer
@@ -219,6 +220,28 @@ def test_who_has_nothing_in_a_turn_does_not_wait_for_it(
         assert manager.pooled._open, "the thread works on another session's packets"
         other.settle()
         assert not manager.pooled._open
+
+    asyncio.run(run())
+
+
+def test_a_session_that_ends_waits_for_its_own_packets_alone(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        general(pair, packets[:5])
+        asked.clear()
+        offered(pair, packets[:3])
+        manager.pooled.begin()
+        offered(pair, packets[3:5], 3)
+        manager.pooled.take(Lane(pair.sessions[0], manager.pooled))
+        assert asked == [3], "a session without packets ends while a thread works on those of another"
+        assert manager.pooled._open
+        manager.pooled.take(pair.pooled.lane)
+        assert asked == [3, 2]
+        assert not manager.pooled._open
+        await pair.settle()
+        pair.compare()
 
     asyncio.run(run())
 
