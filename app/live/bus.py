@@ -59,6 +59,11 @@ class Subscription:
         self._ready.set()
         return fits
 
+    @property
+    def has_more(self) -> bool:
+        """Whether something waits."""
+        return bool(self._queue)
+
     def take(self) -> list[tuple[str, Any]]:
         """Return everything that waits, oldest first, without waiting."""
         items = list(self._queue)

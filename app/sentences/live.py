@@ -50,6 +50,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.source": "{place:place}: source",
     "viewer.sensor": "{place:place}",
     "viewer.silent": "No data from the sensors",
+    "viewer.no_picture": "No live picture at the moment",
     "viewer.distance": "{place:place}: {distance_m:cm}",
     "viewer.distance_about": "{place:place}: about {distance_m:cm}",
     "viewer.not_ready": "The 3D view is not ready; try again.",

@@ -4,6 +4,7 @@ Both run on the event loop, draw at most 60 times a second, and nothing at all w
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections import deque
@@ -12,13 +13,14 @@ from typing import Final
 
 import numpy as np
 
-from app.live.bus import Bus, topic
+from app.live.bus import Bus, Subscription, topic
 from app.live.guidance.messages import GuidanceMessage
 from app.live.messages import PlayerCommand, PlayerState, StateMessage
 from app.viewer.figure.ghost import GhostClock
 from app.viewer.layers.feet_live import LiveCourse
 from app.viewer.pose import PoseTrack, is_posed, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
+from app.viewer.silence import SilenceWatch
 from estimators.body import BodyDimensions
 from estimators.pipelines import Frames
 
@@ -156,6 +158,7 @@ class LivePlayer:
         self._chunks = 0
         self._guided: GuidanceMessage | None = None
         self._shown_phase = 0.0
+        self._silence = SilenceWatch()
 
     def command(self, command: PlayerCommand) -> None:
         """Live views have nothing to steer; the ghost is switched by the view itself."""
@@ -175,30 +178,29 @@ class LivePlayer:
 
     async def run(self) -> None:
         """Draw until cancelled."""
-        frames_topic, state_topic = topic(self._session_id, "frames"), topic(self._session_id, "state")
+        words = [topic(self._session_id, name) for name in ("state", "guidance", "health")]
         # States have a queue of their own: on a busy machine frames would push the few of them out.
         with (
-            self._bus.subscribe(frames_topic, size=8) as subscription,
-            self._bus.subscribe(state_topic, topic(self._session_id, "guidance")) as states,
+            self._bus.subscribe(topic(self._session_id, "frames"), size=8) as subscription,
+            self._bus.subscribe(*words) as states,
         ):
-            pending: list[Frames] = []
             while True:
-                try:
+                items = []
+                with contextlib.suppress(TimeoutError):
                     items = await asyncio.wait_for(subscription.wait(), SILENCE_S)
-                except TimeoutError:
-                    self._show_silence()
-                    items = await subscription.wait()
-                pending += [message.frames for _, message in items]
                 for _, message in states.take():
+                    self._silence.hear(message)
                     if isinstance(message, StateMessage):
                         self._follow(message)
                     elif isinstance(message, GuidanceMessage):
                         self._guided = message
-                if pending:
-                    await self._show(pending[-1])
-                    pending.clear()
+                if items:
+                    self._silence.frames_came()
+                    await self._show(items[-1][1].frames, subscription)
+                else:
+                    self._show_silence()
 
-    async def _show(self, frames: Frames) -> None:
+    async def _show(self, frames: Frames, following: Subscription) -> None:
         if not frames.tick_count:
             return
         self._scene.show_measured(measured_segments(frames))
@@ -215,11 +217,14 @@ class LivePlayer:
         # The last tick is always among those shown; a little less than real time, so that no delay piles up.
         ticks = range((len(track) - 1) % step, len(track), step)
         pause_s = 0.9 * step * frames.time_step_s
-        for tick in ticks:
+        for tick in ticks[:-1]:
+            if following.has_more:
+                # What fills a gap is as long as the gap was: it is not played while newer frames wait.
+                break
             started = time.monotonic()
-            self._draw(track, tick, is_last=tick == ticks[-1])
-            if tick != ticks[-1]:
-                await asyncio.sleep(max(pause_s - (time.monotonic() - started), 0.0))
+            self._draw(track, tick, is_last=False)
+            await asyncio.sleep(max(pause_s - (time.monotonic() - started), 0.0))
+        self._draw(track, ticks[-1], is_last=True)
 
     def _draw(self, track: PoseTrack, tick: int, is_last: bool) -> None:
         trail = None
@@ -262,7 +267,7 @@ class LivePlayer:
             halo_m=np.zeros_like(self._last.halo_m[-1:]),
             lost=lost & self._scene.measured_mask,
         )
-        self._scene.draw(silent, 0)
+        self._scene.draw(silent, 0, silence=self._silence.words)
 
     def _follow(self, message: StateMessage) -> None:
         self._is_calibrating = message.state == "calibrating"

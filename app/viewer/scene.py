@@ -11,6 +11,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.exercises.models import Posture
+from app.sentences import Sentence
 from app.viewer.figure.body_mesh import build_figure
 from app.viewer.figure.ghost import Limb
 from app.viewer.figure.ghost_node import GhostNode
@@ -24,6 +25,7 @@ from app.viewer.layers.modules import ModuleLayer, ModuleTrack
 from app.viewer.layers.seat import add_seat, seat_height_m
 from app.viewer.layers.single_sensors import SensorLayer, SensorTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
+from app.viewer.silence import NO_DATA
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
 
@@ -97,7 +99,7 @@ class BodyScene:
             self._lost_labels = {
                 name: nodes.add_lost_label(server, self._solid.path[name], name) for name in _WEARABLE
             }
-            self._silence_label = nodes.add_silence_label(server, self._solid.path["sternum"])
+            self._silence_label = nodes.add_silence_label(server, self._solid.path["sternum"], NO_DATA)
             self._halos = {
                 (number, joint): nodes.Halo(server, self._solid.path[f"{segment}_{side}"], segment, body)
                 for number, side in enumerate(SIDES)
@@ -113,6 +115,7 @@ class BodyScene:
         self._feet: FeetLayer | None = None
         self._markers: MarkersLayer | None = None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
+        self._silence: Sentence | None = NO_DATA
         self._unsure = np.zeros(len(SIDES), dtype=bool)
 
     @property
@@ -165,7 +168,13 @@ class BodyScene:
                     part.colour = nodes.piece_colour(part.piece, measured)
                     part.handle.color = part.colour
 
-    def draw(self, track: PoseTrack, tick: int, trail: NDArray[np.float32] | None = None) -> None:
+    def draw(
+        self,
+        track: PoseTrack,
+        tick: int,
+        trail: NDArray[np.float32] | None = None,
+        silence: Sentence | None = NO_DATA,
+    ) -> None:
         """Show one tick of the patient.
 
         Parameters
@@ -175,6 +184,8 @@ class BodyScene:
             Index into the track.
         trail : ndarray of float32, shape (N, 2, 3), optional
             Past positions of the left and right hand up to this tick; None leaves the trails as they are.
+        silence : Sentence, optional
+            What is said where everything that is measured is lost; None says nothing.
         """
         with self._server.atomic():
             if track.markers is not None:
@@ -199,8 +210,8 @@ class BodyScene:
             if not np.array_equal(unsure, self._unsure):
                 self._unsure = unsure.copy()
                 self._fade_arms()
-            if not np.array_equal(track.lost[tick], self._lost):
-                self._show_lost(track.lost[tick])
+            if not np.array_equal(track.lost[tick], self._lost) or silence != self._silence:
+                self._show_lost(track.lost[tick], silence)
             self._draw_mass(track, tick)
             for (number, joint), halo in self._halos.items():
                 halo.show(float(track.halo_m[tick, number, joint]))
@@ -272,7 +283,7 @@ class BodyScene:
                     if part.handle.opacity != opacity:
                         part.handle.opacity = opacity
 
-    def _show_lost(self, lost: NDArray[np.bool_]) -> None:
+    def _show_lost(self, lost: NDArray[np.bool_], silence: Sentence | None) -> None:
         for number in np.flatnonzero(lost != self._lost):
             name = SEGMENTS[number]
             for part in self._parts.get(name, []):
@@ -281,10 +292,12 @@ class BodyScene:
         # Where nothing comes from anywhere one label says so: seven lie over each other and none can be read.
         measured = self.measured_mask
         is_silent = bool(measured.any() and lost[measured].all())
-        self._silence_label.visible = is_silent
+        self._silence_label.visible = is_silent and silence is not None
+        if silence is not None and self._silence_label.text != silence:
+            self._silence_label.text = nodes.plain(silence)
         for name, label in self._lost_labels.items():
             label.visible = bool(lost[SEGMENTS.index(name)]) and not is_silent
-        self._lost = lost.copy()
+        self._lost, self._silence = lost.copy(), silence
 
 
 class _Figure:

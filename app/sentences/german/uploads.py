@@ -34,6 +34,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "viewer.markers_live": "Marker werden nur in der Wiedergabe gezeigt.",
     "viewer.no_guard": "Die 3D-Ansicht kann mit dieser Version von viser nicht geschützt werden; installieren"
     " Sie viser 1.1.",
+    "viewer.no_picture": "Im Moment kein Livebild",
     "viewer.no_signal": "{place:place}: kein Signal",
     "viewer.not_found": "Diese 3D-Ansicht gibt es nicht mehr; öffnen Sie die Sitzung noch einmal.",
     "viewer.not_ready": "Die 3D-Ansicht ist nicht bereit; versuchen Sie es erneut.",

@@ -17,6 +17,7 @@ from app.accounts.models import SignIn
 from app.database.unit_of_work import unit_of_work
 from app.live.blocks import PublishedFrames
 from app.live.bus import MemoryBus, topic
+from app.live.messages import StateMessage
 from app.patients.models import Grant
 from app.viewer import wire
 from app.viewer.service import Viewer
@@ -286,7 +287,12 @@ def test_a_live_view_shows_the_newest_frames(therapist, open_view, services, nob
         frames = PublishedFrames(Frames(**fields), time.time())
         nobody.portal.call(services.get(MemoryBus).publish, topic(recorded.live_session_id, "frames"), frames)
         until(page, raised_arm)
-        # When nothing more comes, what was measured turns grey and one label says so.
+        # When no packet comes any more, what was measured turns grey and one label says so.
+        lost = StateMessage(
+            state="link_lost", reason="", session_time_s=0.0, recording_start_s=None, calibration=None,
+            calibration_progress=None,
+        )  # fmt: skip
+        nobody.portal.call(services.get(MemoryBus).publish, topic(recorded.live_session_id, "state"), lost)
         said = until(
             page, lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and m["name"].endswith("/silent")
         )
