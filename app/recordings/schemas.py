@@ -326,6 +326,10 @@ class ReprocessAllIn(Schema):
     """Leave out what a complete result of the same version with default parameters exists of."""
 
 
+ViewLanguage = Literal["en", "de"]
+"""Languages of the words within a picture."""
+
+
 class ViewIn(Schema):
     """Open a 3D view."""
 
@@ -334,6 +338,8 @@ class ViewIn(Schema):
     template_version_id: str | None = None
     markers_id: str | None = None
     """In a replay: the fused motion of these markers instead of the body."""
+    language: ViewLanguage = "en"
+    """Of the words within the picture."""
 
 
 class ViewOut(Schema):

@@ -18,7 +18,7 @@ from app.recordings import marker_motion
 from app.recordings import repository as recordings
 from app.recordings.analysis.kinds import View, kind_of
 from app.recordings.models import MotionSession, Result
-from app.recordings.schemas import ViewIn
+from app.recordings.schemas import ViewIn, ViewLanguage
 from app.recordings.signals.store import read_frames
 from app.sentences import say
 from app.viewer.figure.ghost import Ghost, GhostClock, ghost_from_template
@@ -52,6 +52,7 @@ class ViewTarget:
     result_id: str | None
     template_version_id: str | None
     markers_id: str | None = None
+    language: ViewLanguage = "en"
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,9 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
             if wanted.mode == "live":
                 raise InvalidInput(say("viewer.markers_live"), field="markers_id")
             marker_motion.require(session, found.id, wanted.markers_id)
-            return ViewTarget(wanted.mode, found.id, found.patient_id, None, None, wanted.markers_id)
+            return ViewTarget(
+                wanted.mode, found.id, found.patient_id, None, None, wanted.markers_id, wanted.language
+            )
         result_id = None
         if wanted.mode == "replay":
             result_id = recordings.result_of(session, found, wanted.result_id).id
@@ -121,7 +124,9 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
             _template_version(session, subject, version_id)
         else:
             version_id = prescribed_version(session, found)
-        return ViewTarget(wanted.mode, found.id, found.patient_id, result_id, version_id)
+        return ViewTarget(
+            wanted.mode, found.id, found.patient_id, result_id, version_id, language=wanted.language
+        )
 
 
 def check_right(engine: Engine, subject: Subject, target: ViewTarget) -> None:

@@ -24,6 +24,7 @@ from app.viewer.layers.mass_node import MassNode
 from app.viewer.layers.modules import ModuleLayer, ModuleTrack
 from app.viewer.layers.seat import add_seat, seat_height_m
 from app.viewer.layers.single_sensors import SensorLayer, SensorTrack
+from app.viewer.layers.words import Words, in_english
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.silence import NO_DATA
 from estimators.body import BodyDimensions
@@ -60,6 +61,8 @@ class BodyScene:
         Of the exercise. Who sits does so until `sit` says otherwise.
     ghost_limb : {"arm", "leg"}
         What the template is about.
+    words : callable(sentence)
+        Says what stands within the picture in the language of the page.
     """
 
     def __init__(
@@ -72,8 +75,9 @@ class BodyScene:
         ghost_side: Side = "right",
         posture: Posture = "standing",
         ghost_limb: Limb = "arm",
+        words: Words = in_english,
     ) -> None:
-        self._server = server
+        self._server, self._words = server, words
         self._hip_m = hip_height_m(body, posture)
         self._drop_m = hip_height_m(body) - self._hip_m
         """How much lower than in the estimator's room, where everybody stands, the figure is while it sits."""
@@ -97,9 +101,9 @@ class BodyScene:
             self._on_seat_m = seat_height_m(body) - self._hip_m
             self._place_hips()
             self._lost_labels = {
-                name: nodes.add_lost_label(server, self._solid.path[name], name) for name in _WEARABLE
+                name: nodes.add_lost_label(server, self._solid.path[name], name, words) for name in _WEARABLE
             }
-            self._silence_label = nodes.add_silence_label(server, self._solid.path["sternum"], NO_DATA)
+            self._silence_label = nodes.add_silence_label(server, self._solid.path["sternum"], words(NO_DATA))
             self._halos = {
                 (number, joint): nodes.Halo(server, self._solid.path[f"{segment}_{side}"], segment, body)
                 for number, side in enumerate(SIDES)
@@ -245,14 +249,14 @@ class BodyScene:
         """Show source and sensors, and no figure: where a body is, they do not tell."""
         if self._modules is None or self._modules.names != track.names:
             self._solid.visible(False)
-            self._modules = ModuleLayer(self._server, track.names)
+            self._modules = ModuleLayer(self._server, track.names, self._words)
         self._modules.show(track, tick)
 
     def _draw_sensors(self, track: SensorTrack, tick: int) -> None:
         """Show single sensors, and no figure: nobody says that they were worn."""
         if self._sensors is None or self._sensors.names != track.names:
             self._solid.visible(False)
-            self._sensors = SensorLayer(self._server, track)
+            self._sensors = SensorLayer(self._server, track, self._words)
         self._sensors.show(track, tick)
 
     def draw_ghost(self, phase: float | None, *, with_path: bool = True) -> None:
@@ -293,8 +297,8 @@ class BodyScene:
         measured = self.measured_mask
         is_silent = bool(measured.any() and lost[measured].all())
         self._silence_label.visible = is_silent and silence is not None
-        if silence is not None and self._silence_label.text != silence:
-            self._silence_label.text = nodes.plain(silence)
+        if silence is not None and self._silence_label.text != self._words(silence):
+            self._silence_label.text = self._words(silence)
         for name, label in self._lost_labels.items():
             label.visible = bool(lost[SEGMENTS.index(name)]) and not is_silent
         self._lost, self._silence = lost.copy(), silence

@@ -70,7 +70,8 @@ class View:
     def stage_key(self) -> tuple[str, ...]:
         """Views with the same key share a stage."""
         if self.target.mode == "live":
-            return ("live", self.target.session_id, self.target.template_version_id or "")
+            target = self.target
+            return ("live", target.session_id, target.template_version_id or "", target.language)
         return ("replay", self.id)
 
     def to_pages(self, messages: list[Any]) -> None:

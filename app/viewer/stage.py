@@ -18,6 +18,7 @@ from app.viewer.figure.ghost_node import limb_points_m
 from app.viewer.guard import SceneSecret, guarded
 from app.viewer.layers.nodes import theme_updates
 from app.viewer.layers.single_sensors import HEIGHT_M
+from app.viewer.layers.words import words_in
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
 from app.viewer.scene import BodyScene
@@ -91,6 +92,7 @@ class Stage:
                 contents.side,
                 contents.posture,
                 ghost.limb if ghost is not None else "arm",
+                words_in(target.language),
             )
         except BaseException:
             self._server.stop()

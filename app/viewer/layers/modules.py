@@ -10,9 +10,10 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.sentences import say
+from app.sentences import Sentence, say
 from app.viewer.layers import palette
 from app.viewer.layers.palette import Rgb
+from app.viewer.layers.words import Words
 from estimators import rotation
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
@@ -90,7 +91,7 @@ class ModuleTrack:
         return np.percentile(known, 2.0, axis=0), np.percentile(known, 98.0, axis=0)
 
 
-def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
+def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> Sentence:
     """Return what is written at a sensor: where it is worn and how far from the source.
 
     Parameters
@@ -100,10 +101,9 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
     is_lone : bool
         The place goes on without the source: the distance is then not shown as if it were measured.
     """
-    # Viser packs text of this very type only.
     if is_lone:
-        return str(say("viewer.distance_about", place=placement, distance_m=distance_m))
-    return str(say("viewer.distance", place=placement, distance_m=distance_m))
+        return say("viewer.distance_about", place=placement, distance_m=distance_m)
+    return say("viewer.distance", place=placement, distance_m=distance_m)
 
 
 def modules_of(frames: Frames) -> ModuleTrack | None:
@@ -154,11 +154,13 @@ class ModuleLayer:
     server : viser.ViserServer
     names : tuple of str
         Placements, the source first.
+    words : callable(sentence)
+        In the language of the page.
     """
 
-    def __init__(self, server: viser.ViserServer, names: tuple[str, ...]) -> None:
+    def __init__(self, server: viser.ViserServer, names: tuple[str, ...], words: Words) -> None:
         scene = server.scene
-        self.names = names
+        self.names, self._words = names, words
         self._source = scene.add_frame("/modules/source", show_axes=False)
         scene.add_box("/modules/source/case", color=_CASE, dimensions=(0.05, 0.05, 0.03))
         self._coils = [_add_coil(server, number) for number in range(3)]
@@ -171,7 +173,7 @@ class ModuleLayer:
         # Words hang on nothing that turns, so that they stay above and below.
         self._name = scene.add_label(
             "/modules/name",
-            str(say("viewer.source", place=names[0])),
+            words(say("viewer.source", place=names[0])),
             font_screen_scale=_LABEL_SCALE,
             anchor="top-center",
         )
@@ -236,7 +238,7 @@ class ModuleLayer:
                 self._cases[i].color = colour
             way = place[i + 1] - place[0]
             distance_m = float(np.linalg.norm(way))
-            words = distance_words(self.names[i + 1], distance_m, is_lone=lone)
+            words = self._words(distance_words(self.names[i + 1], distance_m, is_lone=lone))
             if label.text != words:
                 label.text = words
             label.position = place[i + 1] + _UP * _LABEL_ABOVE_M

@@ -9,10 +9,11 @@ import viser
 from numpy.typing import NDArray
 from viser import _messages as wire
 
-from app.sentences import Sentence, say
+from app.sentences import say
 from app.viewer.figure.body_mesh import Piece
 from app.viewer.figure.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from app.viewer.layers.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
+from app.viewer.layers.words import Words
 from estimators.body import BodyDimensions
 
 FLOOR: Final = "/room/floor"
@@ -185,16 +186,11 @@ def add_piece(server: viser.ViserServer, path: str, piece: Piece, measured: froz
     return Part(piece, handle, colour)
 
 
-def plain(words: Sentence) -> str:
-    """Return a sentence as viser's wire takes it, which refuses what is only like text."""
-    return str(words)
-
-
-def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
+def add_lost_label(server: viser.ViserServer, path: str, segment: str, words: Words) -> Any:
     """Add the hidden words that say which sensor gives nothing."""
     return server.scene.add_label(
         f"{path}/lost",
-        plain(say("viewer.no_signal", place=segment)),
+        words(say("viewer.no_signal", place=segment)),
         position=(0.0, 0.0, -0.1),
         visible=False,
         font_screen_scale=1.4,
@@ -202,11 +198,11 @@ def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
     )
 
 
-def add_silence_label(server: viser.ViserServer, path: str, words: Sentence) -> Any:
+def add_silence_label(server: viser.ViserServer, path: str, words: str) -> Any:
     """Add the hidden words for when no sensor gives anything: one label, not one over another."""
     return server.scene.add_label(
         f"{path}/silent",
-        plain(words),
+        words,
         position=(0.0, 0.0, 0.55),
         visible=False,
         font_screen_scale=1.6,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from app.sentences import say
 from app.viewer.layers import palette
 from app.viewer.layers.palette import Rgb
+from app.viewer.layers.words import Words
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames
 
@@ -87,9 +88,11 @@ class SensorLayer:
     ----------
     server : viser.ViserServer
     track : SensorTrack
+    words : callable(sentence)
+        In the language of the page.
     """
 
-    def __init__(self, server: viser.ViserServer, track: SensorTrack) -> None:
+    def __init__(self, server: viser.ViserServer, track: SensorTrack, words: Words) -> None:
         self.names = track.names
         self._frames: list[Any] = []
         self._cases: list[Any] = []
@@ -101,10 +104,9 @@ class SensorLayer:
             self._cases.append(
                 server.scene.add_box(f"{path}/case", color=_CASE, dimensions=(0.06, 0.042, 0.016))
             )
-            # Viser packs text of this very type only.
             server.scene.add_label(
                 f"/sensors/name{number}",
-                str(say("viewer.sensor", place=name)),
+                words(say("viewer.sensor", place=name)),
                 position=place - np.array([0.0, 0.0, _LABEL_BELOW_M], dtype=np.float32),
                 font_screen_scale=_LABEL_SCALE,
                 anchor="top-center",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.sentences import ENGLISH
+from app.viewer.layers.words import words_in
 from app.viewer.pose import SEGMENTS, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from app.viewer.stage import LoopbackServer
@@ -42,6 +43,25 @@ def test_one_label_when_nothing_comes_at_all(reaches) -> None:
         )
         assert say(set(measured)) == ["No data from the sensors"]
         assert say({"sternum"}) == ["Chest: no signal"], "the others came back"
+    finally:
+        server.stop()
+
+
+def test_the_picture_speaks_the_language_of_its_page(reaches) -> None:
+    frames, _, _ = reaches
+    track = track_from_frames(frames, BodyDimensions())
+    measured = measured_segments(frames)
+    server = LoopbackServer()
+    try:
+        scene = BodyScene(server, BodyDimensions(), measured, words=words_in("de"))
+        for lost, said in (
+            ({"sternum"}, "Brust: kein Signal"),
+            (set(measured), "Keine Daten von den Sensoren"),
+        ):
+            mask = np.tile([name in lost for name in SEGMENTS], (len(track), 1))
+            scene.draw(replace(track, lost=mask), 0)
+            assert labels_seen(server) == [said]
+            assert [type(one) for one in labels_seen(server)] == [str]
     finally:
         server.stop()
 

@@ -157,6 +157,14 @@ def test_live_views_share_a_scene_and_replays_do_not(therapist, sign_in, open_vi
     assert services.get(Viewer).stage_count == 3
 
 
+def test_live_views_in_two_languages_are_two_scenes(therapist, open_view, services) -> None:
+    open_view(therapist, "live", language="de")
+    open_view(therapist, "live", language="de")
+    assert services.get(Viewer).stage_count == 1
+    open_view(therapist, "live")
+    assert services.get(Viewer).stage_count == 2
+
+
 def test_the_policy_allows_the_pages_own_scripts_and_nothing_else(therapist, open_view) -> None:
     page = therapist.get(open_view(therapist)["page_path"])
     policy = dict(part.split(" ", 1) for part in page.headers["content-security-policy"].split("; "))

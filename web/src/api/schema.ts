@@ -5903,6 +5903,12 @@ export interface components {
          * @description Open a 3D view.
          */
         ViewIn: {
+            /**
+             * Language
+             * @default en
+             * @enum {string}
+             */
+            language?: "en" | "de";
             /** Markers Id */
             markers_id?: string | null;
             /**

@@ -5,7 +5,7 @@ import { useQuery } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { api } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
-import { t } from '../i18n';
+import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
 import type { Player } from '../player/types';
@@ -50,16 +50,18 @@ export function Viewer3D({
   isPlain,
 }: Viewer3DProps) {
   const scheme = useComputedColorScheme('light');
+  const language = currentLanguage() === 'de' ? 'de' : 'en';
   const view = useQuery({
     queryKey: [
       'view',
       sessionId,
+      language,
       request.mode,
       request.result_id ?? null,
       request.template_version_id ?? null,
       request.markers_id ?? null,
     ],
-    queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, request),
+    queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, { ...request, language }),
     enabled: isReady,
     staleTime: Infinity,
     gcTime: 0,

@@ -1,0 +1,33 @@
+"""The few words that stand in the picture itself, in the language of the page around it."""
+
+from collections.abc import Callable
+from typing import Final
+
+from app.recordings.schemas import ViewLanguage
+from app.sentences import CATALOGUE, Sentence
+from app.sentences.german import GERMAN
+from estimators.sentences import Catalogue
+
+Words = Callable[[Sentence], str]
+
+_CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(GERMAN)}
+
+
+def words_in(language: ViewLanguage) -> Words:
+    """Return what makes plain text of a sentence: viser's wire refuses what is only like text.
+
+    Parameters
+    ----------
+    language : {"en", "de"}
+    """
+    catalogue = _CATALOGUES[language]
+
+    def words(sentence: Sentence) -> str:
+        return str(catalogue.say(sentence.code, **sentence.parameters))
+
+    return words
+
+
+in_english: Final = words_in("en")
+
+__all__ = ["Words", "in_english", "words_in"]
