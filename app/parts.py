@@ -5,7 +5,7 @@ import contextlib
 import logging
 import os
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AsyncExitStack
 from functools import partial
 from typing import Any, Final
@@ -19,7 +19,7 @@ from sqlalchemy import Engine, make_url
 from app.accounts.credentials.passwords import Passwords
 from app.database.base import new_id
 from app.database.writer_lock import RunnerLock, WriterLock
-from app.edge.readiness import Readiness, storing_checks
+from app.edge.readiness import Check, Readiness, storing_checks
 from app.edge.registry import Registry
 from app.errors import TelemotionError
 from app.ingest.upload import remove_orphans
@@ -94,10 +94,13 @@ async def open_edge(
     return services
 
 
-async def _watch_readiness(services: Services, stack: AsyncExitStack, lock: WriterLock) -> None:
+async def _watch_readiness(
+    services: Services, stack: AsyncExitStack, lock: WriterLock, more: Mapping[str, Check] | None = None
+) -> None:
     broker = services.get(Broker)
     checks = storing_checks(services.settings, services.engine, lock, broker)
     checks["broker"] = checks.pop("group_commit")
+    checks |= more or {}
     readiness = services.add(Readiness(checks))
     await readiness.start()
     stack.push_async_callback(readiness.stop)
@@ -149,7 +152,7 @@ class _WorkerOpening:
         tasks = Tasks(services, broker, shared.has_crowd)
         await tasks.start()
         stack.push_async_callback(tasks.stop)
-        await _watch_readiness(services, stack, lock)
+        await _watch_readiness(services, stack, lock, {"sessions": worker.ahead.trouble})
         services.add(_observe_worker(services, worker, shared))
         transport = httpx.ASGITransport(app=self._app())
         # Edges ask as soon as a partition is held: by then everything is open.

@@ -402,6 +402,23 @@ def unfinished(
     return stored, [one for one, state in own if state == "closing"]
 
 
+def of_other_layouts(engine: Engine, layout: int) -> Sequence[tuple[StoredSession, int]]:
+    """Return streamed sessions that are open and whose checkpoint is not of this layout, each with where it stood."""
+    with read_only(engine) as session:
+        found = session.execute(
+            select(MotionSession, LiveCheckpoint.sequence)
+            .join(LiveCheckpoint, LiveCheckpoint.session_id == MotionSession.id)
+            .where(
+                LiveCheckpoint.layout != layout,
+                MotionSession.state.in_(OPEN - {"created"}),
+                MotionSession.ended_at.is_(None),
+                MotionSession.hello.is_not(None),
+            )
+            .order_by(MotionSession.id)
+        )
+        return [(_stored(row), sequence) for row, sequence in found]
+
+
 def calibration_of(setup: dict[str, Any]) -> Calibration | None:
     """Return the calibration in a stored setup."""
     return SessionSetup.from_dict(setup).calibration

@@ -146,7 +146,8 @@ def test_all_sessions_of_a_partition_are_taken_up_with_a_few_statements_and_ever
     asyncio.run(story())
 
 
-def compare(new: LiveSession, old: LiveSession, engine: Engine) -> None:
+def goes_on(new: LiveSession, old: LiveSession) -> None:
+    """Hold every bit of a session that was taken up against the one that stayed."""
     states = [one.now.pipeline.state() | one.now.aligner.state() for one in (new, old)]
     for name, values in states[1].items():
         assert values.tobytes() == states[0][name].tobytes(), name
@@ -154,6 +155,10 @@ def compare(new: LiveSession, old: LiveSession, engine: Engine) -> None:
     assert list(new.ledger.received) == list(old.ledger.received)
     assert new.result_id == old.result_id
     assert new.pipeline.setup == old.pipeline.setup
+
+
+def compare(new: LiveSession, old: LiveSession, engine: Engine) -> None:
+    goes_on(new, old)
     assert new.guidance is not None
     (stored,), _ = unfinished(engine, lambda one: one == new.id)
     found = read_streamed(engine, [stored])[new.id]

@@ -39,6 +39,7 @@ def rebuild(
     chunks: Sequence[EncodedChunk] | None = None,
     *,
     is_exact: bool = False,
+    stop: int | None = None,
 ) -> Exception | None:
     """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
 
@@ -53,6 +54,8 @@ def rebuild(
         Those that have packets behind the checkpoint, where they were read already.
     is_exact : bool
         Begin with the first packet where there is no checkpoint, also when the last minute would do.
+    stop : int, optional
+        First packet that is not to be taken. No clip levels may be known that came into force from there on.
 
     Returns
     -------
@@ -77,6 +80,8 @@ def rebuild(
             else read_packets_in_order(engine, session.id, first)
         )
         for raw in raws:
+            if stop is not None and raw.sequence >= stop:
+                break
             packet = decoded(raw)
             place = _admitted(session, packet)
             if place is None:

@@ -24,8 +24,8 @@ class Streamed:
         Of its frames.
     standing : Standing
     checkpoint : Checkpoint or None
-    chunks : sequence of EncodedChunk
-        Those that have packets behind the checkpoint; nothing without one.
+    chunks : sequence of EncodedChunk or None
+        Those that have packets behind the checkpoint; nothing without one. None where they are still to be read.
     guided : TakenUp
         Where its guidance stood.
     is_prescribed : bool
@@ -37,7 +37,7 @@ class Streamed:
     first_unstored_tick: int
     standing: Standing
     checkpoint: Checkpoint | None
-    chunks: Sequence[EncodedChunk]
+    chunks: Sequence[EncodedChunk] | None
     guided: TakenUp
     is_prescribed: bool
 

@@ -1,5 +1,6 @@
 """A worker: the partitions that it holds, and the live side that their sessions make together."""
 
+import asyncio
 import logging
 from collections.abc import Sequence
 from functools import partial
@@ -17,10 +18,14 @@ from app.live.side import SteeredSide
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.scaled.broker import Broker
+from app.scaled.placement import share_of
 from app.scaled.wire import partition_of
+from app.scaled.worker.ending import end
 from app.scaled.worker.leases import Leases
 from app.scaled.worker.partition import Ask, Partition
 from app.scaled.worker.post import Post
+from app.scaled.worker.preparing import Preparation
+from app.scaled.worker.presence import others_of
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.schemas import Schema
 from app.sentences import say
@@ -47,15 +52,34 @@ class Worker(SteeredSide):
         self._ask: Ask | None = None
         self.partitions: dict[int, Partition] = {}
         self.leases = Leases(broker, name, self, shared.settings.lease_seconds)
+        shared.ahead = self.ahead = Preparation(
+            engine, shared.readiness, lambda one: partition_of(one, broker.partitions) in self.partitions
+        )
+        self._tasks: list[asyncio.Task[None]] = []
 
     async def start(self, ask: Ask) -> None:
         """Begin to hold partitions; requests of edges are answered by `ask`."""
         self._ask = ask
         self._post.start()
+        self._tasks = [asyncio.create_task(self._begin(), name="worker begins")]
+
+    async def _begin(self) -> None:
+        partitions = self._broker.partitions
+        try:
+            if others := await others_of(self._broker, self._name):
+                # They show meanwhile what this one is about to take.
+                rank = sorted([*others, self._name]).index(self._name)
+                first, share = share_of(rank, len(others) + 1, partitions)
+                self.ahead.comes_soon = lambda one: first <= partition_of(one, partitions) < first + share
+                await self.ahead.short()
+        except Exception:
+            logger.exception("nothing could be estimated ahead")
         await self.leases.start()
+        await self.ahead.run()
 
     async def stop(self) -> None:
         """Give every partition back."""
+        await end(self._tasks)
         await self.leases.stop()
         self._post.stop()
         self.end_checks()

@@ -24,13 +24,12 @@ from nats.js.kv import KeyValue
 from app.scaled.broker import Broker
 from app.scaled.placement import share_of
 from app.scaled.worker.ending import end
-from app.scaled.worker.presence import Presence
+from app.scaled.worker.presence import WORKER, Presence
 
 logger = logging.getLogger(__name__)
 
 TURNS: Final = 5
 """In the length of a lease."""
-_WORKER: Final = "worker."
 
 
 class Holder(Protocol):
@@ -139,7 +138,7 @@ class Leases:
                     known = self._seen.get(entry.key)
                     if known is None or known.revision < entry.revision:
                         self._seen[entry.key] = _Key(entry.revision, time.monotonic(), entry.value or b"")
-                    if known is None and entry.key.startswith(_WORKER):
+                    if known is None and entry.key.startswith(WORKER):
                         self._changed.set()
         finally:
             await watcher.stop()  # type: ignore[no-untyped-call]
@@ -167,7 +166,7 @@ class Leases:
                 self._back()
 
     async def _announce(self) -> None:
-        await self._broker.leases.put(f"{_WORKER}{self._worker}", b"")
+        await self._broker.leases.put(f"{WORKER}{self._worker}", b"")
 
     async def _renew(self, partition: int) -> None:
         revision, key = self._held.get(partition), _key(partition)
@@ -199,14 +198,14 @@ class Leases:
         return entry.revision if entry.value == self._worker.encode() else None
 
     def _workers_seen(self) -> set[str]:
-        return {key.removeprefix(_WORKER) for key in self._seen if key.startswith(_WORKER)}
+        return {key.removeprefix(WORKER) for key in self._seen if key.startswith(WORKER)}
 
     async def _reap(self, worker: str) -> None:
         """Free what a worker held that is gone."""
         found = [
             (key, one.revision)
             for key, one in self._seen.items()
-            if one.value == worker.encode() or key == f"{_WORKER}{worker}"
+            if one.value == worker.encode() or key == f"{WORKER}{worker}"
         ]
         # Somebody else may be faster.
         await asyncio.gather(
@@ -216,9 +215,9 @@ class Leases:
     async def _balance(self) -> None:
         now_s = time.monotonic()
         old = {key for key, one in self._seen.items() if now_s - one.since_s > self._length_s}
-        workers = {key for key in self._seen if key.startswith(_WORKER)} - old | {f"{_WORKER}{self._worker}"}
+        workers = {key for key in self._seen if key.startswith(WORKER)} - old | {f"{WORKER}{self._worker}"}
         partitions = self._broker.partitions
-        rank = sorted(workers).index(f"{_WORKER}{self._worker}")
+        rank = sorted(workers).index(f"{WORKER}{self._worker}")
         first, share = share_of(rank, len(workers), partitions)
         staying = self._held.keys() - self._leaving
         if len(staying) > share:

@@ -7,6 +7,7 @@ name follows its own, so that the questions grow with the workers, not with thei
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections.abc import Awaitable, Callable
@@ -15,6 +16,7 @@ from typing import Final
 import nats
 from nats.aio.msg import Msg
 from nats.errors import NoRespondersError
+from nats.js.errors import NoKeysError
 
 from app.scaled.broker import Broker
 from app.scaled.wire import subject
@@ -25,6 +27,8 @@ PERIOD_S: Final = 0.1
 TIMES: Final = 3
 """A worker is gone when so many questions in a row found nobody."""
 ANSWER_S: Final = 0.5
+WORKER: Final = "worker."
+"""Before the name of a worker in the key by which it says that it is there."""
 
 
 class Presence:
@@ -96,4 +100,18 @@ class Presence:
             await self._gone(following)
 
 
-__all__ = ["Presence"]
+async def others_of(broker: Broker, worker: str) -> set[str]:
+    """Return which other workers are there and answer."""
+    try:
+        keys = await broker.leases.keys()
+    except NoKeysError:
+        return set()
+    found = set()
+    for name in {key.removeprefix(WORKER) for key in keys if key.startswith(WORKER)} - {worker}:
+        with contextlib.suppress(nats.errors.Error, OSError, TimeoutError):
+            await broker.client.request(subject("alive", name), timeout=ANSWER_S)
+            found.add(name)
+    return found
+
+
+__all__ = ["WORKER", "Presence", "others_of"]

@@ -23,6 +23,7 @@ from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.taking_up import read_streamed
 from app.scaled.wire import partition_of
+from app.scaled.worker.preparing import Preparation
 from app.settings import Settings
 
 logger = logging.getLogger(__name__)
@@ -37,6 +38,7 @@ class OfWorker(Shared):
 
     settings: Settings
     limits: Limits
+    ahead: Preparation | None = None
     late_packets: int = 0
     """Packets that came out of the stream after their session was closed."""
 
@@ -79,7 +81,7 @@ class PartitionSessions(LiveManager):
             shared=shared,
         )
         self._opener = replace(self._opener, is_exact=True)
-        self._drain = drain
+        self._drain, self._ahead = drain, shared.ahead
         self._draining: dict[str, asyncio.Task[None]] = {}
 
     async def close(self, session_id: str, reason: str) -> StateMessage:
@@ -111,6 +113,8 @@ class PartitionSessions(LiveManager):
         for session_id in closing:
             await asyncio.to_thread(self._on_closed, session_id)
         streamed = await asyncio.to_thread(read_streamed, self.engine, open_ones)
+        if self._ahead is not None:
+            streamed = self._ahead.put_into(streamed)
         turn, later = asyncio.Semaphore(AT_ONCE), []
 
         async def take_up(stored: StoredSession) -> None:
