@@ -30,8 +30,11 @@ class GuidanceParameters:
         (2): limits of the pace, in r0.
     blur_per_s : float
         (3): growth of the variance of the phase.
-    size_exchange_per_s, stall_cap : float
-        (3): how fast sizes mix, and the largest cost of standing still, nat/s.
+    size_exchange_per_s : float
+        (3): how fast sizes mix. Standing still costs by its slopes, below.
+    pace_follows_s : float
+        How long a movement as well known as the pace before it must be seen until the patient's own pace is half of
+        what is expected next.
     free_misfit, direction, misfit_cap, memory_s : float
         (4): what costs nothing, weight of the direction of movement, largest D, and for how long one look counts.
     rest_speed, wrong_misfit : float
@@ -52,25 +55,25 @@ restart_per_s : float
     """
 
     pace_sd: float = 0.7
-    slope_sd_per_s: float = 1.5
+    slope_sd_per_s: float = 2.0
     slowest: float = -0.1
     fastest: float = 4.0
-    blur_per_s: float = 0.0005
+    blur_per_s: float = 0.0002
     size_exchange_per_s: float = 0.3
-    stall_cap: float = 16.0
-    free_misfit: float = 0.5
-    direction: float = 12.0
+    pace_follows_s: float = 4.0
+    free_misfit: float = 0.0
+    direction: float = 6.0
     misfit_cap: float = 12.0
-    memory_s: float = 0.1
+    memory_s: float = 0.03
     rest_speed: float = 0.36
     wrong_misfit: float = 6.0
     rest_to_start_per_s: float = 0.5
     end_to_rest_per_s: float = 6.0
-    end_to_start_per_s: float = 3.0
+    end_to_start_per_s: float = 8.0
     to_wrong_per_s: float = 0.05
     from_wrong_per_s: float = 1.0
     to_rest_per_s: float = 0.05
-    restart_per_s: float = 0.1
+    restart_per_s: float = 0.03
     broad_share: float = 0.2
     start_follows_s: float = 5.0
     still_s: float = 1.5
@@ -79,8 +82,8 @@ restart_per_s : float
     least_attempt_s: float = 0.4
 
     def __post_init__(self) -> None:
-        if not (self.pace_sd > 0 and self.slope_sd_per_s > 0 and self.memory_s > 0):
-            raise SetupError(f"{self}: pace_sd, slope_sd_per_s and memory_s must be positive")
+        if not min(self.pace_sd, self.slope_sd_per_s, self.memory_s, self.pace_follows_s) > 0:
+            raise SetupError(f"{self}: pace_sd, slope_sd_per_s, memory_s and pace_follows_s must be positive")
         if not self.slowest <= 0 < self.fastest <= 10:
             raise SetupError(f"{self}: slowest is at most 0, fastest 0 to 10")
 

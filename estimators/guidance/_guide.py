@@ -35,11 +35,11 @@ from estimators.guidance._records import (
     Work,
 )
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
+from estimators.guidance._template import SLOPE_S
 from estimators.kernels import filled, restored
 from estimators.recording import Float
 
 UPDATE_HZ: Final = 50.0
-SLOPE_S: Final = 0.12
 REST_S: Final = 1.0
 VALID_SHARE: Final = 0.8
 """Share of each target that a valid repetition attains unless the therapist says otherwise."""
@@ -62,6 +62,8 @@ def _room_for(ready: GuidanceTemplate, rest_ticks: int, window_ticks: int) -> tu
     work = Work(
         sums=np.zeros((6, phases)),
         moved=np.zeros((sizes, phases)),
+        pace=np.zeros((sizes, phases)),
+        strange=np.zeros((sizes, phases)),
         line=np.zeros((2, phases)),
         y=np.zeros(channels),
         v=np.zeros(channels),
@@ -135,6 +137,7 @@ class Guide:
         self._state = np.zeros(1, dtype=STATE)
         self._state["tick"] = -1
         self._state["p_rest"] = 1.0
+        self._state["pace"] = 1.0 / ready.duration_s
         self._memory, self._work = _room_for(ready, rest_ticks, max(3, round(SLOPE_S / tick_s) + 1))
 
     @staticmethod

@@ -1,6 +1,13 @@
 """The phase filter: one update of the probability of each phase and size, of rest and of a wrong movement.
 
-Equations (1) to (8) of the house's page on live guidance.
+Equations (1) to (8) of the house's page on live guidance, and what they leave out, which put the phase of somebody who
+repeats the template exactly 2 to 5 % of the movement ahead in holds, and 1 % behind after them and at the end:
+
+- (2) expects the template's pace; here the patient's own, which the filter follows.
+- (3) charges standing still; (4) asks whither, not how fast the body moves. Here slopes are held against the pace of
+  each state, so that one looks not long at each place (`memory_s`) and still does not lose its way.
+- Slopes lie half a window back, those of the template here as well (`prepare_template`).
+- Only the last phase passes on to rest or to the next repetition: the last three took away what was ahead.
 """
 
 import math
@@ -14,7 +21,9 @@ from estimators.recording import Float
 FIT, CROSS, SIZE, SPEED, ALONG, STEEP = range(6)
 """Rows of the sums: <(y-y0)^2/s^2>, <(y-y0) mu/s^2>, <mu^2/s^2>, <v^2/s^2>, <v mu'/s^2>, <mu'^2/s^2>."""
 _ENTRY = 3
-"""Phases at which a movement begins, and from whose mirror image it ends."""
+"""Phases at which a movement begins."""
+_SLOWEST_OWN = 0.25
+"""Least pace of a patient, in r0: who stands still is not slow."""
 _NEAR = 8
 _EDGE_LOW, _EDGE_HIGH = 0.75, 0.9
 
@@ -135,24 +144,59 @@ def rest_speed(model: Model, memory: Memory, work: Work) -> tuple[float, float, 
 
 
 @step()
-def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
-    """Equations (2) and (3): each phase and size goes on at its own pace; what ought to stand still loses."""
-    mass, moved, sums = memory.mass, work.moved, work.sums
+def _pace(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Equation (2): at which pace each phase and size goes on, and how strange the slopes would be at it.
+
+    Expected is the patient's own pace, which follows what is seen; where the template holds, its own: how long somebody
+    stays does not follow from how fast he moves. Strange is what is left of the slopes, <(v - r a mu')^2>, and how far
+    the pace is from the expected one: it sets a movement that slows down before a hold
+    apart from the hold.
+    """
+    sums, pace, strange, mass = work.sums, work.pace, work.strange, memory.mass
     sizes, phases = mass.shape
-    r0, dt = settings.pace, settings.update_s
+    r0 = settings.pace
     known = 1.0 / (settings.pace_sd * r0) ** 2
-    slope_variance = settings.slope_sd_per_s**2
-    shift, left = work.line[0], work.line[1]
-    moved[:] = 0.0
+    per_slope = 1.0 / settings.slope_sd_per_s**2
+    per_left = 1.0 / (settings.slope_sd_per_s**2 + state.rest_v)
+    fastest = settings.fastest * r0
+    ahead = state.pace - r0
+    gone, steepness = work.line[0], work.line[1]
+    gone[:], steepness[:] = 0.0, 0.0
     for a in range(sizes):
         size = model.sizes[a]
         for b in range(phases):
+            along, steep = size * sums[ALONG, b], size * size * sums[STEEP, b]
+            level = steep * r0 * r0
+            expected = r0 + ahead * level / (level + 1.0)
+            r = (expected * known + along * per_slope) / (known + steep * per_slope)
+            held = min(max(r, 0.0), fastest)
+            left = sums[SPEED, b] - 2.0 * held * along + held * held * steep
+            pace[a, b] = r
+            strange[a, b] = left * per_left + (held - expected) * (held - expected) * known
+            gone[b] += mass[a, b] * along
+            steepness[b] += mass[a, b] * steep
+    moved, certain = 0.0, 0.0
+    for b in range(phases):
+        moved += gone[b]
+        certain += steepness[b]
+    if certain > 0.0:
+        new = certain * per_slope * settings.update_s
+        own = state.pace + new / (new + known * settings.pace_follows_s) * (moved / certain - state.pace)
+        state.pace = min(max(own, _SLOWEST_OWN * r0), fastest)
+
+
+@step()
+def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Equation (3): each phase and size goes on at its own pace."""
+    mass, moved = memory.mass, work.moved
+    sizes, phases = mass.shape
+    r0, dt = settings.pace, settings.update_s
+    shift = work.line[0]
+    moved[:] = 0.0
+    for a in range(sizes):
+        for b in range(phases):
             phi = (b + 0.5) / phases
-            pace = (r0 * known + size * sums[ALONG, b] / slope_variance) / (
-                known + size * size * sums[STEEP, b] / slope_variance
-            )
-            slow = max(0.0, 1.0 - 2.0 * pace / r0)
-            left[b] = mass[a, b] * _decay(min(slow * slow, settings.stall_cap) * dt)
+            pace = work.pace[a, b]
             edge = min(max((phi - _EDGE_LOW) / (_EDGE_HIGH - _EDGE_LOW), 0.0), 1.0)
             pace = min(max(pace, settings.slowest * r0 * (1.0 - edge)), settings.fastest * r0)
             shift[b] = pace * dt * phases
@@ -161,8 +205,8 @@ def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
             low = math.floor(place)
             share = place - low
             first, second = min(max(low, 0), phases - 1), min(max(low + 1, 0), phases - 1)
-            moved[a, first] += (1.0 - share) * left[b]
-            moved[a, second] += share * left[b]
+            moved[a, first] += (1.0 - share) * mass[a, b]
+            moved[a, second] += share * mass[a, b]
     spread = 0.5 * settings.blur_per_s * dt * phases * phases
     trade = 0.5 * settings.size_exchange_per_s * dt
     for a in range(sizes):
@@ -198,7 +242,7 @@ def _change(settings: Record, state: Record, memory: Memory, work: Work) -> None
             to_rest += settings.to_rest_per_s * dt * here
             to_wrong += settings.to_wrong_per_s * dt * here
             stays = 1.0 - away
-            if b >= phases - _ENTRY:
+            if b == phases - 1:
                 to_rest += settings.end_to_rest_per_s * dt * here
                 to_start += settings.end_to_start_per_s * dt * here
                 stays -= ended
@@ -239,7 +283,7 @@ def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: 
         size = model.sizes[a]
         for b in range(phases):
             misfit = sums[FIT, b] - 2.0 * size * sums[CROSS, b] + size * size * sums[SIZE, b]
-            d = max(0.0, misfit - settings.free_misfit) + against[b]
+            d = max(0.0, misfit - settings.free_misfit) + against[b] + work.strange[a, b]
             mass[a, b] *= _decay(rate * min(d, settings.misfit_cap))
     still = away + state.v / (settings.rest_speed + state.rest_v)
     state.p_rest *= _decay(rate * min(still, settings.misfit_cap))
@@ -286,6 +330,7 @@ def _read(state: Record, model: Model, memory: Memory, work: Work) -> None:
 def update(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
     """Go one update on: move, change, weigh, read. Without any channel nothing is weighed."""
     of_values, _ = _sums(model, memory, work)
+    _pace(settings, state, model, memory, work)
     _move(settings, model, memory, work)
     _change(settings, state, memory, work)
     away, speed, _ = rest_speed(model, memory, work)

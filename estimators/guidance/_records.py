@@ -16,7 +16,7 @@ _TUNED: Final[Fields] = [
     ("fastest", "f8"),
     ("blur_per_s", "f8"),
     ("size_exchange_per_s", "f8"),
-    ("stall_cap", "f8"),
+    ("pace_follows_s", "f8"),
     ("free_misfit", "f8"),
     ("direction", "f8"),
     ("misfit_cap", "f8"),
@@ -59,6 +59,7 @@ STATE: Final = record(
         ("rested", "i8"),  # ticks of prompted rest seen
         ("rest_v", "f8"),  # V_rest of (5)
         ("rest_v_count", "i8"),
+        ("pace", "f8"),  # at which this patient moves
         ("v", "f8"),  # V at the start posture now
         ("still_s", "f8"),  # how long still near the start posture without being at rest
         ("p_rest", "f8"),
@@ -102,9 +103,10 @@ class Model(NamedTuple):
     Attributes
     ----------
     offset, slope : ndarray, shape (F, B)
-        mu and mu' of the steering channels, by channel so that sums over phases run along memory.
+        mu and mu' of the steering channels, by channel so that sums over phases run along memory; mu' is as late as
+        the slopes that are held against it.
     variance : ndarray, shape (F, B)
-        (b / 1.64)^2 + (0.1 rho)^2 of equation (1).
+        (b / 1.64)^2 + (0.05 rho)^2 of equation (1).
     weight : ndarray, shape (F,)
     steering : ndarray of int64, shape (F,)
         Columns of the steering channels among all.
@@ -175,6 +177,8 @@ class Work(NamedTuple):
     sums : ndarray, shape (6, B)
         Sums over channels, once a phase, as (4) is quadratic in the size.
     moved : ndarray, shape (A, B)
+    pace, strange : ndarray, shape (A, B)
+        Equation (2), and how strange the slopes seen are at that pace.
     line : ndarray, shape (2, B)
     y, v, sigma : ndarray, shape (C,)
     prior : ndarray, shape (A,)
@@ -183,6 +187,8 @@ class Work(NamedTuple):
 
     sums: Float
     moved: Float
+    pace: Float
+    strange: Float
     line: Float
     y: Float
     v: Float
@@ -218,7 +224,7 @@ def _types() -> tuple[Any, ...]:
     whole, small = types.int64[::1], types.uint8[::1]
     model = bundle(Model, table, table, table, row, whole, row, table, small, small, row, table)
     memory = bundle(Memory, table, row, row, table, table, row, row, row)
-    work = bundle(Work, table, table, table, row, row, row, row, row)
+    work = bundle(Work, table, table, table, table, table, row, row, row, row, row)
     out = bundle(Out, table, table, table, rows(REPETITION), table, whole)
     return model, memory, work, out
 

@@ -19,10 +19,15 @@ from estimators.guidance._records import Model
 from estimators.recording import Float
 
 BINS: Final = 64
-SIZES: Final = (0.3, 0.45, 0.6, 0.75, 0.9, 1.05, 1.2)
+SIZES: Final = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
 """Sizes that are distinguished, as shares of the template's."""
 _BAND_SIGMAS: Final = 1.64
-_SHARE_OF_RANGE: Final = 0.1
+_SHARE_OF_RANGE: Final = 0.05
+SLOPE_S: Final = 0.12
+"""Over how long in the past a line is laid through what is measured, for its slope."""
+_SLOPE_POINTS: Final = 13
+_ENOUGH: Final = 1.0
+"""Weight of all angles from which they tell the phase alone."""
 _PROMINENCE: Final = 0.3
 _LEVEL: Final = 0.02
 """Share of the range within which a hold is level."""
@@ -56,8 +61,8 @@ def prepare_template(
     reach_m : float
         The patient's upper arm plus forearm; positions are scaled from the template's person.
     steering : sequence of str, optional
-        Channels that tell the phase, in the template's names. By default angles without a singularity and the wrist;
-        the main channel always does. Compensation should not.
+        Channels that tell the phase, in the template's names. By default angles without a singularity, and the wrist
+        where they move too little to tell it; the main channel always does. Compensation should not.
 
     Returns
     -------
@@ -71,6 +76,10 @@ def prepare_template(
     Notes
     -----
     Weight of a channel: w_c = clip((range / floor - 1) / 3, 0, 1), floors as of the band of `build_template`.
+
+    Angles of a smaller movement are those of the template, smaller. The wrist of a smaller movement is on another arc:
+    at its turn it is where it is half-way through the whole movement, which the filter, whose sizes scale each channel,
+    takes it for. So it does not steer where angles can.
     """
     check_side(side)
     if not reach_m > 0:
@@ -85,29 +94,32 @@ def prepare_template(
     scale = np.array([reach_m / template.reach_m if "." in name else 1.0 for name in template.channels])
     mean, width = template.mean * scale, template.tolerance * scale
     absolute = np.array([name.endswith(_SINGULAR) for name in template.channels])
+    turns = np.array([is_angle(name) for name in template.channels])
     offset = mean - np.where(absolute, 0.0, mean[0])
     extent = np.max(offset, axis=0, initial=-np.inf) - np.min(offset, axis=0, initial=np.inf)
     floor = np.array([_floor(name, reach_m) for name in template.channels])
     weight = np.clip((extent / floor - 1.0) / 3.0, 0.0, 1.0)
-    columns = np.flatnonzero(is_chosen & np.isfinite(mean).all(axis=0) & (weight > 0.0))
+    tells = is_chosen & np.isfinite(mean).all(axis=0) & (weight > 0.0)
+    if steering is None:
+        tells = _without_points(tells, turns, weight, template)
+    columns = np.flatnonzero(tells)
     if not len(columns):
         raise SetupError(f"no channel of {template.channels} moves enough to tell the phase")
     main = template.channels.index(template.primary_channel)
     phase, height = _targets(offset[:, main])
-    target = np.stack([phase, height], axis=1)
     variance = (width / _BAND_SIGMAS) ** 2 + (_SHARE_OF_RANGE * extent) ** 2
     model = Model(
         offset=_by_channel(offset, columns),
-        slope=_by_channel(np.gradient(offset, 1.0 / (PHASES - 1), axis=0), columns),
+        slope=_trailing_slope(offset[:, columns], template.duration_s),
         variance=_by_channel(variance, columns),
         weight=np.ascontiguousarray(weight[columns]),
         steering=columns.astype(np.int64),
         excursion=np.ascontiguousarray(np.abs(offset[:, columns]).max(axis=0)),
         whole=_binned(offset),
-        turns=np.array([is_angle(name) for name in template.channels], dtype=np.uint8),
+        turns=turns.astype(np.uint8),
         absolute=absolute.astype(np.uint8),
         sizes=np.array(SIZES),
-        target=target,
+        target=np.stack([phase, height], axis=1),
     )
     return GuidanceTemplate(
         channels=template.channels,
@@ -124,6 +136,16 @@ def prepare_template(
     )
 
 
+def _without_points(
+    tells: NDArray[np.bool_], turns: NDArray[np.bool_], weight: Float, template: Template
+) -> NDArray[np.bool_]:
+    """Leave out what is no angle where angles tell the phase alone; the main channel stays."""
+    if weight[tells & turns].sum() < _ENOUGH:
+        return tells
+    is_main = np.array([name == template.primary_channel for name in template.channels])
+    return np.asarray(tells & (turns | is_main))
+
+
 def _binned(curves: Float) -> Float:
     """Curves of 101 phases at the middles of the bins, shape (B, C)."""
     middle = (np.arange(BINS) + 0.5) / BINS
@@ -133,6 +155,20 @@ def _binned(curves: Float) -> Float:
 
 def _by_channel(curves: Float, columns: NDArray[np.intp]) -> Float:
     return np.ascontiguousarray(_binned(curves[:, columns]).T)
+
+
+def _trailing_slope(curves: Float, duration_s: float) -> Float:
+    """Slopes per phase at the middles of the bins, shape (C, B), of lines through the past `SLOPE_S` at this pace.
+
+    What is measured has its slope over the past, half of that late; held against the slope at the phase itself it would
+    draw the phase on where a movement slows down, and back where one begins.
+    """
+    middle = (np.arange(BINS) + 0.5) / BINS
+    before = np.linspace(0.0, SLOPE_S / duration_s, _SLOPE_POINTS)
+    at = np.linspace(0.0, 1.0, PHASES)
+    past = np.stack([np.interp(middle[:, None] - before, at, curve) for curve in curves.T])
+    lever = np.mean(before) - before
+    return np.ascontiguousarray(past @ lever / np.sum(lever**2))
 
 
 def _floor(channel: str, reach_m: float) -> float:
@@ -201,4 +237,4 @@ def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
     return values, sigma
 
 
-__all__ = ["BINS", "SIZES", "prepare_template", "signals", "steers"]
+__all__ = ["BINS", "SIZES", "SLOPE_S", "prepare_template", "signals", "steers"]

@@ -73,10 +73,6 @@ QUICK = {
 }
 SHORT: dict[str, set[str]] = {
     "guidance_phase": {
-        "no rest between repetitions, median",
-        "no rest between repetitions, 95 %",
-        "mild impairment, median",
-        "mild impairment, 95 %",
         "delay, median",
         "delay, 95 %",
     },

@@ -30,6 +30,36 @@ def test_compensation_and_singular_angles_do_not_steer():
     assert "trunk_lean_forward_rad" not in ready().steering
 
 
+def test_the_wrist_steers_only_where_angles_hardly_move():
+    made = ready()
+    assert made.steering
+    assert not any("." in name for name in made.steering)
+    assert prepare_template(template(), "right", 0.55, steering=["wrist_right.z"]).steering == (
+        made.main,
+        "wrist_right.z",
+    )
+    mean = template().mean.copy()
+    for column, name in enumerate(template().channels):
+        if "." not in name:
+            mean[:, column] = mean[0, column] + 0.13 * (mean[:, column] - mean[0, column])
+    # 1.0 rad becomes 0.13, half as much again as the floor: (1.5 - 1) / 3 is far from enough.
+    assert "wrist_right.z" in prepare_template(replace(template(), mean=mean), "right", 0.55).steering
+
+
+def test_slopes_of_the_template_are_as_late_as_those_that_are_measured():
+    phase = np.linspace(0.0, 1.0, 101)
+    main = template().channels.index(template().primary_channel)
+    mean = template().mean.copy()
+    mean[:, main] = 4.0 * phase * (1.0 - phase)
+    made = prepare_template(replace(template(), mean=mean), "right", 0.55)
+    row = made.steering.index(made.main)
+    middle = (np.arange(64) + 0.5) / 64
+    late = 0.06 / template().duration_s
+    # Of a parabola a line through the past 0.12 s has the slope 0.06 s ago; before its beginning there is rest.
+    assert made.model.slope[row, 4:] == pytest.approx(4.0 - 8.0 * (middle[4:] - late), abs=0.01)
+    assert made.model.slope[row, 0] < 4.0 - 8.0 * (middle[0] - late) - 0.5
+
+
 def test_weights_follow_the_range():
     made = ready()
     column = made.steering.index("humerus_forearm_right_zxy_pronation")
