@@ -113,6 +113,21 @@ def test_a_guide_counts_the_repetitions_and_cues_the_faults():
     }
 
 
+@pytest.mark.parametrize("exercise", LEG_EXERCISES)
+def test_a_short_repetition_is_partial_however_short_and_wherever_it_stands(exercise):
+    sizes = (0.4, 0.4, 1.0, 1.0, 0.3, 0.3, 0.6, 0.2)
+    made, frames = done(exercise, tuple(PlannedRepetition(size=size) for size in sizes))
+    ready = prepare_template(shown(exercise), "right", REACH_M)
+    first = round((made.truth.repetitions_s[0, 0] - 1.5) * 100)
+    values, sigma = signals(trajectory(frames.ticks(first, frames.tick_count)), ready)
+    chunk = Guide(ready, 0.01, rules=default_rules(ready)).feed(values, sigma)
+    attempts = [one for one in chunk.repetitions if one.kind != "ignored"]
+    assert [one.kind for one in attempts] == ["valid" if size == 1.0 else "partial" for size in sizes]
+    np.testing.assert_allclose([one.quotient[0] for one in attempts], sizes, atol=0.1)
+    cued = [one.sentence for one in chunk.cues if one.rule is not None]
+    assert cued == ["guidance.further"] * sum(size < 1.0 for size in sizes)
+
+
 def test_findings_name_four_faults_in_their_repetitions_and_no_others():
     first, chunk, _, frames = guided()
     counted = [
