@@ -51,11 +51,11 @@ from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
+from app.live.engine.shared import Shared
 from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
 from app.live.session.opening import Place
-from app.live.shared import Shared
 from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
 from app.observation import observe

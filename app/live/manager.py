@@ -17,6 +17,7 @@ from app.live import repository
 from app.live.admission import FULL, crowd
 from app.live.bus import Bus, topic
 from app.live.engine.lane import Lane
+from app.live.engine.shared import Shared
 from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
@@ -29,7 +30,6 @@ from app.live.session.saver import until_written
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.session.streamed import Streamed
-from app.live.shared import Shared
 from app.live.side import SteeredSide
 from app.live.warmup import COMING_BACK_S, PREPARING, prepare_process
 from app.network.declaration import Declaration

@@ -13,12 +13,12 @@ from app.errors import TelemotionError, Unavailable
 from app.limits import Limits
 from app.live import repository
 from app.live.bus import MemoryBus
+from app.live.engine.shared import Shared
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.live.repository import StoredSession
 from app.live.session.opening import Place
 from app.live.session.runner import LiveSession
-from app.live.shared import Shared
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.taking_up import read_streamed

@@ -14,9 +14,9 @@ from app.limits import Limits
 from app.live import repository
 from app.live.admission import CROWD, FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission
 from app.live.bus import MemoryBus
+from app.live.engine.shared import Shared
 from app.live.manager import LiveManager
 from app.live.session.intake import Intake
-from app.live.shared import Shared
 from app.live.warmup import FIRST, warm_up
 from app.network.declaration import check_hello
 from app.network.packet import decode_packet
