@@ -51,7 +51,6 @@ from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
-from app.live.engine.shared import Shared
 from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
@@ -183,8 +182,7 @@ async def open_services(
 
     await to_thread.run_sync(remove_orphans, engine, settings)
     prepare_processes()
-    shared = Shared()
-    jobs = JobRunner(engine, settings, job_handlers(), has_crowd=shared.has_crowd)
+    jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
     services.add(jobs)
@@ -203,7 +201,6 @@ async def open_services(
         longest_s=settings.session_limit_hours * 3600.0,
         place=Place(settings.hemisphere, settings.time_zone),
         confirmation_hours=settings.implant_confirmation_hours,
-        shared=shared,
     )
     await live.start()
     stack.push_async_callback(live.stop)

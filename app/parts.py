@@ -149,7 +149,7 @@ class _WorkerOpening:
         stack.callback(measuring.cancel)
         worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
         services.add(worker.bus, MemoryBus)
-        tasks = Tasks(services, broker, shared.has_crowd)
+        tasks = Tasks(services, broker)
         await tasks.start()
         stack.push_async_callback(tasks.stop)
         await _watch_readiness(services, stack, lock, {"sessions": worker.ahead.trouble})
@@ -204,12 +204,10 @@ class Tasks:
     ----------
     services : Services
     broker : Broker
-    has_crowd : callable()
-        See `JobRunner`.
     """
 
-    def __init__(self, services: Services, broker: Broker, has_crowd: Callable[[], bool]) -> None:
-        self._services, self._broker, self._has_crowd = services, broker, has_crowd
+    def __init__(self, services: Services, broker: Broker) -> None:
+        self._services, self._broker = services, broker
         self._lock = RunnerLock(services.settings.database_url, "telemotion tasks")
         self._runner: JobRunner | None = None
         self._loop = asyncio.get_running_loop()
@@ -231,10 +229,7 @@ class Tasks:
         await to_thread.run_sync(self._lock.release)
 
     def _made(self) -> JobRunner:
-        services = self._services
-        return JobRunner(
-            services.engine, services.settings, job_handlers(), self._lock, has_crowd=self._has_crowd
-        )
+        return JobRunner(self._services.engine, self._services.settings, job_handlers(), self._lock)
 
     async def _run(self) -> None:
         while True:

@@ -1,9 +1,8 @@
 """Child processes: work that must neither slow live sessions nor take the machine's memory.
 
 A child is forked from a server process that has imported everything once, so it begins in milliseconds and its
-memory is given back when it ends. It has low priority, or only what nobody else wants of the processors; it may
-allocate so much and no more, is the first that the system kills when memory runs out, and ends with the service, also
-when that is killed, so that no orphan writes on.
+memory is given back when it ends. It has low priority, may allocate so much and no more, is the first that the
+system kills when memory runs out, and ends with the service, also when that is killed, so that no orphan writes on.
 """
 
 import contextlib
@@ -57,22 +56,12 @@ class Child:
     memory_bytes : int
         Most that it may allocate; beyond it `MemoryError` is raised in it.
     name : str
-    only_idle : bool
-        Run it only while a processor has nothing else to do (Linux). A low priority is not enough where others must
-        answer within milliseconds: who wakes up waits until a process that runs has used its slice of time up.
     """
 
-    def __init__(
-        self,
-        work: Callable[..., None],
-        *arguments: Any,
-        memory_bytes: int,
-        name: str,
-        only_idle: bool = False,
-    ) -> None:
+    def __init__(self, work: Callable[..., None], *arguments: Any, memory_bytes: int, name: str) -> None:
         self._pipe, theirs = _context.Pipe(duplex=False)
         self._process = _context.Process(
-            target=_enter, args=(theirs, memory_bytes, only_idle, work, arguments), name=name, daemon=True
+            target=_enter, args=(theirs, memory_bytes, work, arguments), name=name, daemon=True
         )
         try:
             # Waits for the imports of the server process.
@@ -112,17 +101,10 @@ class Child:
 
 
 def _enter(
-    pipe: Connection,
-    memory_bytes: int,
-    only_idle: bool,
-    work: Callable[..., None],
-    arguments: tuple[Any, ...],
+    pipe: Connection, memory_bytes: int, work: Callable[..., None], arguments: tuple[Any, ...]
 ) -> None:
     """Run in the child: give up what it must not have, then work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if only_idle and sys.platform == "linux":
-        with contextlib.suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     _end_with_parent()
     if sys.platform == "linux":
         # Data, not address space: compiled code and mapped libraries reserve much that they never touch.

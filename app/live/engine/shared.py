@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 from weakref import WeakSet
 
-from app.live.admission import CROWD, Admission, crowd
+from app.live.admission import Admission
 from app.live.checks.plausibility import CheckProcess
 from app.live.engine.turns import PooledEngine
 from app.live.session.runner import LiveSession
@@ -36,11 +36,6 @@ class Shared:
     def sessions(self) -> list[LiveSession]:
         """All live sessions of this process."""
         return [one for side in self.sides for one in side.sessions]
-
-    def has_crowd(self) -> bool:
-        """Whether so many stream that their frames would be late for whatever else the machine does; any thread."""
-        streaming, _ = crowd(self.sessions)
-        return streaming >= CROWD
 
 
 __all__ = ["Shared"]

@@ -11,7 +11,8 @@ GIVE_UP_AFTER_S = 3.0
 """How long a connected gateway is asked for a missing packet; what comes later still is stored."""
 REPORTED_HOLES = 64
 NOT_STORED_AFTER_S = 3.0
-"""Packets wait about a second and a quarter for their commit; when none became durable for so long, none is stored."""
+"""Packets wait for their commit for a second and a quarter, with very many sessions for two; when none became durable
+for so long, none is stored."""
 
 
 @dataclass

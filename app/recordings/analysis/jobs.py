@@ -198,9 +198,6 @@ class JobRunner:
         Module-level functions (they are sent to the child by name).
     runners : Runners, optional
         Where the queue is shared.
-    has_crowd : callable(), optional
-        Whether so many are live here that a task that begins now may use only what they leave of the processors; called
-        in a thread.
     """
 
     def __init__(
@@ -209,13 +206,11 @@ class JobRunner:
         settings: Settings,
         handlers: Mapping[str, Handler],
         runners: Runners | None = None,
-        has_crowd: Callable[[], bool] = lambda: False,
     ) -> None:
         self._engine = engine
         self._settings = settings
         self._handlers = dict(handlers)
         self._runners = runners
-        self._has_crowd = has_crowd
         self._looked_s = time.monotonic()
         self._queue = FairQueue(settings.job_workers)
         self._children: dict[str, processes.Child] = {}
@@ -330,7 +325,6 @@ class JobRunner:
                 self._runners.key if self._runners is not None else "",
                 memory_bytes=memory_bytes,
                 name="job",
-                only_idle=self._has_crowd(),
             )
         try:
             done: JobDone | None = next(child.results(), None)

@@ -25,9 +25,10 @@ session by session, the failing one is reported to its `on_failure` and takes no
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from concurrent.futures import Future
 from itertools import chain, count
+from operator import attrgetter
 from typing import Any, Final
 
 from sqlalchemy import Engine
@@ -58,8 +59,8 @@ logger = logging.getLogger(__name__)
 
 COMMIT_INTERVAL_S: Final = 0.1
 CHUNK_S: Final = 1.0
-LONGEST_CHUNK_S: Final = 3.0
-"""A gateway keeps what is not acknowledged: it must not have to keep much."""
+LONGEST_CHUNK_S: Final = 2.0
+"""A gateway keeps what is not acknowledged, and its page says when that is for too long (`NOT_STORED_AFTER_S`)."""
 SESSIONS_A_SECOND: Final = 125
 """Whose chunks end within a second: what a session costs to commit depends little on how long its chunk is."""
 COMMIT_BYTES: Final = 32 * 1024 * 1024
@@ -355,7 +356,7 @@ class GroupCommitWriter:
                         break
                     self._lock.wait(remaining_s)
                 stopping = self._stopping
-                batches = self._take_due(everything=stopping or self._is_full())
+                batches = self._take_due(everything=stopping)
             if batches:
                 self._commit(batches)
             next_commit_s = time.monotonic() + self._commit_interval_s
@@ -377,13 +378,22 @@ class GroupCommitWriter:
         now_s = time.monotonic()
         crowded_s = min(len(self._sessions) / SESSIONS_A_SECOND, LONGEST_CHUNK_S)
         chunk_s = max(self._chunk_s, crowded_s)
-        return [
-            (session, session.take())
-            for session in self._sessions.values()
-            if session.is_due(
-                now_s, chunk_s, everything=everything and (self._stopping or not session.repeat)
-            )
-        ]
+        due = [one for one in self._sessions.values() if one.is_due(now_s, chunk_s, everything=everything)]
+        if self._is_full():
+            due += self._largest(set(map(id, due)))
+        return [(one, one.take()) for one in due]
+
+    def _largest(self, taken: Set[int]) -> list[OpenSession]:
+        """Return sessions that are committed before they are due: all at once would be due together from then on."""
+        left = sorted(
+            (one for one in self._sessions.values() if id(one) not in taken and one.repeat is None),
+            key=attrgetter("size"),
+        )
+        waiting, found = sum(one.size for one in left), []
+        while waiting > self._commit_bytes // 2:
+            found.append(left.pop())
+            waiting -= found[-1].size
+        return found
 
     def _commit(self, batches: list[tuple[OpenSession, Batch]]) -> None:
         started_s = time.monotonic()

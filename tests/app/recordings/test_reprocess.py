@@ -2,7 +2,6 @@
 
 import os
 import random
-import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -328,16 +327,9 @@ def test_how_a_task_ends_is_on_its_row(
     assert run_job(engine, settings, job_id, handler) is None
 
 
-def run_until(
-    engine: Engine,
-    settings: Settings,
-    handler: Any,
-    session_id: str,
-    count: int,
-    has_crowd: Callable[[], bool] = lambda: False,
-) -> list[JobDone]:
+def run_until(engine: Engine, settings: Settings, handler: Any, session_id: str, count: int) -> list[JobDone]:
     done: list[JobDone] = []
-    runner = JobRunner(engine, settings, {"reprocess": handler}, has_crowd=has_crowd)
+    runner = JobRunner(engine, settings, {"reprocess": handler})
     runner.subscribe(done.append)
     runner.start()
     # A worker imports for seconds, four times here, and more on a busy machine.
@@ -373,22 +365,6 @@ def test_a_task_that_kills_its_worker_fails_and_the_queue_goes_on(
     good = queue(engine, session_id)
     done = run_until(engine, settings, succeed, session_id, 1)
     assert [(d.job_id, d.status) for d in done] == [(good, "complete")]
-
-
-def say_policy(_context: JobContext) -> str:
-    return str(os.sched_getscheduler(0))
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no such policy")
-@pytest.mark.parametrize("has_crowd", [True, False])
-def test_beside_a_crowd_a_task_uses_what_is_left_of_the_processors(
-    engine: Engine, settings: Settings, new_session: Any, has_crowd: bool
-) -> None:
-    session_id = new_session()
-    queue(engine, session_id)
-    done = run_until(engine, settings, say_policy, session_id, 1, lambda: has_crowd)
-    assert done[0].message == str(os.SCHED_IDLE if has_crowd else os.SCHED_OTHER)
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from app.gateway import ServiceClient
 from app.patients.models import Patient
 from tests.app.live.guided import N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
 from tests.e2e.conftest import Service, Visitor, serving
-from tests.e2e.test_pages import serious
+from tests.e2e.test_pages import serious, unreached_by_tab
 
 PATIENT = PATIENTS[0]
 AT_REST_S = N_POSE_S + 1.6
@@ -93,6 +93,37 @@ async def drain(socket: object) -> None:
         pass
 
 
+ZOOMED = ((640, 400), (320, 640))
+"""A window of 1280 by 800 at 200 %, and one of 1280 at 400 % (WCAG 1.4.10), which is also the smallest phone."""
+HIDDEN = """() => {
+    const found = document.documentElement.scrollWidth > innerWidth + 1 ? ['the page moves sideways'] : [];
+    for (const one of document.querySelectorAll('button, a[href]:not([href^="#"]), input, select, textarea')) {
+        if (one.disabled || !one.checkVisibility({ visibilityProperty: true })) continue;
+        one.scrollIntoView({ block: 'center' });
+        const { left, right, top, width, height } = one.getBoundingClientRect();
+        if (width < 2) continue;
+        const above = document.elementFromPoint(left + width / 2, top + height / 2);
+        const own = [one, ...(one.labels ?? [])];
+        const shown = own.some((each) => each.contains(above) || above?.contains(each));
+        if (left < -1 || right > innerWidth + 1 || !shown) found.push(one.innerText || one.ariaLabel || one.name);
+    }
+    return found;
+}"""
+"""What a zoomed page does not show by moving up and down alone, or shows behind something else."""
+
+
+def hidden_when_zoomed(patient: Visitor, name: str) -> list[str]:
+    """Controls that cannot be pressed in a zoomed or small window, by its width."""
+    found = []
+    for width, height in ZOOMED:
+        patient.page.set_viewport_size({"width": width, "height": height})
+        patient.page.wait_for_timeout(150)
+        found += [f"{width}: {one}" for one in patient.page.evaluate(HIDDEN)]
+        patient.picture(f"{name}-{width}")
+    patient.page.set_viewport_size({"width": 390, "height": 844})
+    return found
+
+
 def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: Service) -> None:
     prescribed(service)
     done = performed((SOUND, SOUND, SHORT, SOUND), exercise=PATIENT.movement)
@@ -108,6 +139,8 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     expect(page.get_by_role("img", name="Where the sensors sit")).to_be_visible()
     patient.picture("guided-wear-390")
     assert serious(patient) == []
+    assert hidden_when_zoomed(patient, "guided-wear") == []
+    assert unreached_by_tab(page) == []
     body = Body(service.address, page.url.split("/")[-2], done)
     page.get_by_role("button", name="I am standing still").click()
     expect(page.get_by_role("heading", name="Ready")).to_be_visible()
@@ -118,6 +151,8 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     line = page.get_by_test_id("line")
     expect(line).to_be_visible()
     patient.picture("guided-waiting-390")
+    assert hidden_when_zoomed(patient, "guided-waiting") == []
+    assert unreached_by_tab(page) == []
     body.may_move.set()
 
     count = page.get_by_label("Counted")
@@ -139,6 +174,7 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     expect(page.get_by_role("heading", name="Take a break")).to_be_visible()
     patient.picture("guided-pause-390")
     assert serious(patient) == []
+    assert hidden_when_zoomed(patient, "guided-pause") == []
     page.get_by_role("button", name="Go on").click()
     expect(page.get_by_role("heading", name="Take a break")).to_be_hidden()
     page.get_by_role("button", name="It hurts").click()
@@ -153,6 +189,8 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
     page.get_by_role("group", name="How hard was it?").get_by_text("6", exact=True).click()
     patient.picture("guided-after-390")
     assert serious(patient) == []
+    assert hidden_when_zoomed(patient, "guided-after") == []
+    assert unreached_by_tab(page) == []
     page.get_by_role("button", name="Send to my therapist").click()
     expect(page.get_by_text("Thank you.")).to_be_visible()
     assert patient.faults_outside_the_view() == []

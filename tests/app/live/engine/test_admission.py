@@ -12,7 +12,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import Unavailable
 from app.limits import Limits
 from app.live import repository
-from app.live.admission import CROWD, FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission
+from app.live.admission import FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission
 from app.live.bus import MemoryBus
 from app.live.engine.shared import Shared
 from app.live.manager import LiveManager
@@ -143,22 +143,6 @@ def test_partitions_of_one_worker_count_their_sessions_together(
     one._admit("new")
     other._admit("new")
     assert asked == [(2, 1), (2, 1)]
-
-
-def test_a_crowd_is_so_many_as_stream_not_as_are_open() -> None:
-    shared, now_s = Shared(), time.monotonic()
-
-    def side(count: int, since_s: float) -> Any:
-        session = SimpleNamespace(opened_s=now_s - 100.0, last_arrival_s=now_s - since_s)
-        return type("Side", (), {"sessions": [session] * count})()
-
-    sides = [side(CROWD - 5, 1.0), side(2 * CROWD, 30.0)]
-    for one in sides:
-        shared.sides.add(one)
-    assert not shared.has_crowd()
-    sides.append(side(5, 1.0))
-    shared.sides.add(sides[-1])
-    assert shared.has_crowd()
 
 
 def test_it_recovers_within_its_window() -> None:

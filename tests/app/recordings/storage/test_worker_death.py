@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import sys
 import time
 from multiprocessing.connection import Connection
 
@@ -54,17 +53,6 @@ def test_the_worker_dies_with_a_killed_service() -> None:
     assert not is_alive(child)
     here.close()
     there.close()
-
-
-def how_it_runs(emit: Emit) -> None:
-    emit(os.sched_getscheduler(0))
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no such policy")
-@pytest.mark.parametrize(("only_idle", "policy"), [(True, "SCHED_IDLE"), (False, "SCHED_OTHER")])
-def test_a_child_takes_only_what_nobody_else_wants(only_idle: bool, policy: str) -> None:
-    child = Child(how_it_runs, memory_bytes=MEMORY_BYTES, name="idle", only_idle=only_idle)
-    assert list(child.results()) == [getattr(os, policy)]
 
 
 def greedy(emit: Emit) -> None:

@@ -14,6 +14,7 @@ import pytest
 from sqlalchemy import Engine, event, select
 
 from app.database.engine import create_from_url
+from app.live.session.ledger import NOT_STORED_AFTER_S
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession, SignalChunk
@@ -264,3 +265,24 @@ def test_chunks_of_many_sessions_are_longer_but_not_too_long(
     assert not writer._take_due(everything=False)
     now_s = 1000.0 + 1.01 * longest_s
     assert len(writer._take_due(everything=False)) == sessions
+
+
+def test_a_chunk_of_many_sessions_is_stored_before_anybody_is_told_that_none_is() -> None:
+    assert LONGEST_CHUNK_S + 0.9 < NOT_STORED_AFTER_S
+
+
+def test_where_too_much_waits_the_largest_are_stored_early_and_not_all_at_once(engine: Engine) -> None:
+    writer = GroupCommitWriter(engine, commit_bytes=200_000)
+    nothing = Standing(SequenceRanges(), 0, {})
+    for number in range(40):
+        writer.open_session(str(number), standing=nothing)
+        for sequence in range(number // 4 + 1):
+            writer.append_packet(str(number), counts_packet(sequence))
+    total = writer.metrics.queued_bytes
+    assert total > 200_000
+    taken = writer._take_due(everything=False)
+    left = [one.size for one in writer._sessions.values() if not one.is_empty]
+    assert 0 < len(taken) < 40
+    assert 100_000 - max(left) < sum(left) <= 100_000
+    assert min(batch.size for _, batch in taken) >= max(left)
+    assert not writer._take_due(everything=False), "what is left is not too much"
