@@ -402,11 +402,11 @@ def unfinished(
     return stored, [one for one, state in own if state == "closing"]
 
 
-def of_other_layouts(engine: Engine, layout: int) -> Sequence[tuple[StoredSession, int]]:
-    """Return streamed sessions that are open and whose checkpoint is not of this layout, each with where it stood."""
+def of_other_layouts(engine: Engine, layout: int) -> Sequence[tuple[str, int]]:
+    """Return which streamed sessions are open and have a checkpoint that is not of this layout, and where it stands."""
     with read_only(engine) as session:
         found = session.execute(
-            select(MotionSession, LiveCheckpoint.sequence)
+            select(MotionSession.id, LiveCheckpoint.sequence)
             .join(LiveCheckpoint, LiveCheckpoint.session_id == MotionSession.id)
             .where(
                 LiveCheckpoint.layout != layout,
@@ -416,7 +416,7 @@ def of_other_layouts(engine: Engine, layout: int) -> Sequence[tuple[StoredSessio
             )
             .order_by(MotionSession.id)
         )
-        return [(_stored(row), sequence) for row, sequence in found]
+        return [(str(session_id), sequence) for session_id, sequence in found]
 
 
 def calibration_of(setup: dict[str, Any]) -> Calibration | None:

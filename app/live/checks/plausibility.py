@@ -99,11 +99,11 @@ class CheckProcess:
             pool = self._pool
         try:
             return pool.submit(check, state, chunk).result()
-        except (BrokenProcessPool, CancelledError) as error:
+        except (RuntimeError, CancelledError) as error:
             with self._lock:
                 if self._is_closed:
                     raise _stopping() from error
-                if self._pool is pool:
+                if self._pool is pool and isinstance(error, BrokenProcessPool):
                     self._end()
             raise
 

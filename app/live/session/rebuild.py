@@ -10,7 +10,7 @@ they were.
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from sqlalchemy import Engine
 
@@ -39,7 +39,7 @@ def rebuild(
     chunks: Sequence[EncodedChunk] | None = None,
     *,
     is_exact: bool = False,
-    stop: int | None = None,
+    until: Callable[[int], bool] | None = None,
 ) -> Exception | None:
     """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
 
@@ -54,8 +54,9 @@ def rebuild(
         Those that have packets behind the checkpoint, where they were read already.
     is_exact : bool
         Begin with the first packet where there is no checkpoint, also when the last minute would do.
-    stop : int, optional
-        First packet that is not to be taken. No clip levels may be known that came into force from there on.
+    until : callable(sequence), optional
+        Whether no more is to be taken from this packet on. No clip levels may be known that come into force from there
+        on.
 
     Returns
     -------
@@ -80,7 +81,7 @@ def rebuild(
             else read_packets_in_order(engine, session.id, first)
         )
         for raw in raws:
-            if stop is not None and raw.sequence >= stop:
+            if until is not None and until(raw.sequence):
                 break
             packet = decoded(raw)
             place = _admitted(session, packet)

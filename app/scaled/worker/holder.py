@@ -1,10 +1,14 @@
 """A worker: the partitions that it holds, and the live side that their sessions make together."""
 
 import asyncio
+import contextlib
 import logging
 from collections.abc import Sequence
 from functools import partial
+from typing import Final
 
+import nats
+from nats.js.errors import Error as StreamError
 from sqlalchemy import Engine
 
 from app.errors import Conflict, Unavailable
@@ -32,6 +36,8 @@ from app.sentences import say
 
 logger = logging.getLogger(__name__)
 
+LOOK_S: Final = 0.5
+
 
 class Worker(SteeredSide):
     """Holds partitions; steering finds the sessions of them here. Implements `app.scaled.worker.leases.Holder`.
@@ -53,8 +59,9 @@ class Worker(SteeredSide):
         self.partitions: dict[int, Partition] = {}
         self.leases = Leases(broker, name, self, shared.settings.lease_seconds)
         shared.ahead = self.ahead = Preparation(
-            engine, shared.readiness, lambda one: partition_of(one, broker.partitions) in self.partitions
+            engine, shared.readiness, lambda one: partition_of(one, broker.partitions) in self.leases.held
         )
+        self.ahead.is_waited_for = True
         self._tasks: list[asyncio.Task[None]] = []
 
     async def start(self, ask: Ask) -> None:
@@ -64,18 +71,42 @@ class Worker(SteeredSide):
         self._tasks = [asyncio.create_task(self._begin(), name="worker begins")]
 
     async def _begin(self) -> None:
-        partitions = self._broker.partitions
         try:
-            if others := await others_of(self._broker, self._name):
-                # They show meanwhile what this one is about to take.
-                rank = sorted([*others, self._name]).index(self._name)
-                first, share = share_of(rank, len(others) + 1, partitions)
-                self.ahead.comes_soon = lambda one: first <= partition_of(one, partitions) < first + share
-                await self.ahead.short()
+            await self._estimate_ahead()
         except Exception:
             logger.exception("nothing could be estimated ahead")
-        await self.leases.start()
+        while True:
+            try:
+                await self.leases.start()
+                break
+            except (nats.errors.Error, StreamError, OSError, TimeoutError) as error:
+                logger.error("no partition can be taken yet: %s", type(error).__name__)
+                await asyncio.sleep(LOOK_S)
+        self.ahead.is_waited_for = False
         await self.ahead.run()
+
+    async def _estimate_ahead(self) -> None:
+        """Wait for what is estimated ahead, while others show what this worker is about to take."""
+        partitions, others = self._broker.partitions, await others_of(self._broker, self._name)
+        if not others:
+            return
+        rank = sorted([*others, self._name]).index(self._name)
+        first, share = share_of(rank, len(others) + 1, partitions)
+        self.ahead.comes_soon = lambda one: first <= partition_of(one, partitions) < first + share
+        tasks = [asyncio.create_task(self.ahead.short()), asyncio.create_task(self._until_one_goes(others))]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            await end(tasks)
+
+    async def _until_one_goes(self, others: set[str]) -> None:
+        there = others
+        while others <= there:
+            await asyncio.sleep(LOOK_S)
+            # While the broker is away nobody is known to have gone.
+            with contextlib.suppress(nats.errors.Error, StreamError, OSError, TimeoutError):
+                there = await others_of(self._broker, self._name)
+        logger.warning("a worker has gone: what it held is taken at once")
 
     async def stop(self) -> None:
         """Give every partition back."""

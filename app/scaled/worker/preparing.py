@@ -9,6 +9,7 @@ the moment at which the session comes; it writes nothing.
 import asyncio
 import logging
 import math
+import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -16,10 +17,8 @@ from typing import Final
 
 from sqlalchemy import Engine
 
-from app.errors import TelemotionError
 from app.live import repository
 from app.live.bus import MemoryBus
-from app.live.repository import StoredSession
 from app.live.session.checkpoint import LAYOUT, capture, pack
 from app.live.session.opening import setup_for
 from app.live.session.rebuild import rebuild
@@ -30,7 +29,6 @@ from app.network.declaration import Declaration
 from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.group_commit import GroupCommitWriter
 from estimators import pipelines
-from estimators.errors import EstimationError
 from estimators.pipelines import SessionSetup
 
 logger = logging.getLogger(__name__)
@@ -55,24 +53,25 @@ class Preparation:
     readiness : Readiness
         Of compiled code.
     is_held : callable(session_id)
-        Whether this worker holds the session.
-    comes_soon : callable(session_id), optional
+        Whether this worker holds the session, or is about to.
+
+    Attributes
+    ----------
+    comes_soon : callable(session_id)
         Whether this worker would get the session; those come first.
+    is_waited_for : bool
+        Whether this worker takes no sessions yet.
     """
 
-    def __init__(
-        self,
-        engine: Engine,
-        readiness: Readiness,
-        is_held: Callable[[str], bool],
-        comes_soon: Callable[[str], bool] = lambda _: True,
-    ) -> None:
-        self._engine, self._readiness = engine, readiness
-        self._is_held, self.comes_soon = is_held, comes_soon
+    def __init__(self, engine: Engine, readiness: Readiness, is_held: Callable[[str], bool]) -> None:
+        self._engine, self._readiness, self._is_held = engine, readiness, is_held
+        self.comes_soon: Callable[[str], bool] = lambda _: True
+        self.is_waited_for = False
         # What is estimated here is stored by whoever holds the session.
         self._writer, self._bus = GroupCommitWriter(engine), MemoryBus()
         self._found: dict[str, Checkpoint] = {}
-        self._is_waited_for = False
+        self._vain: dict[str, int] = {}
+        """Where the checkpoint stood of a session that could not be estimated up to there."""
 
     async def run(self) -> None:
         """Go on until cancelled: another worker may stop at any moment."""
@@ -86,7 +85,6 @@ class Preparation:
 
     async def short(self) -> None:
         """Return when little is left to be estimated of any session, after `PATIENCE_S` at the latest."""
-        self._is_waited_for = True
         try:
             async with asyncio.timeout(PATIENCE_S):
                 lasted_s, count = math.inf, 1
@@ -97,31 +95,32 @@ class Preparation:
                     logger.info("%d sessions were estimated ahead in %.1f s", count, lasted_s)
         except TimeoutError:
             logger.warning("more is left to be estimated than others carry for this long")
-        finally:
-            self._is_waited_for = False
 
     def trouble(self) -> str | None:
         """Return in words why another worker should not be stopped yet; None where it may."""
-        if self._is_waited_for:
-            return "Sessions of another version are estimated ahead, so that they come here without a gap."
+        if self.is_waited_for:
+            return "No session is taken yet: those of another version are estimated ahead, to come without a gap."
         return None
 
     async def once(self) -> int:
         """Bring every such session to where its checkpoint stands; returns how many there are."""
-        stored = await asyncio.to_thread(repository.of_other_layouts, self._engine, LAYOUT)
+        there = await asyncio.to_thread(repository.of_other_layouts, self._engine, LAYOUT)
         wanted = sorted(
-            (one for one in stored if not self._is_held(one[0].id)),
-            key=lambda one: not self.comes_soon(one[0].id),
+            (one for one in there if not self._is_held(one[0])), key=lambda one: not self.comes_soon(one[0])
         )[:MOST]
-        self._found = {one.id: self._found[one.id] for one, _ in wanted if one.id in self._found}
-        for one, stop in wanted:
-            try:
-                found = await self._estimated(one, stop)
-            except (TelemotionError, EstimationError) as error:
-                logger.warning("session %s is not estimated ahead: %s", one.id, error.message)
+        names = {name for name, _ in wanted}
+        self._found = {name: one for name, one in self._found.items() if name in names}
+        self._vain = {name: stop for name, stop in self._vain.items() if name in names}
+        for name, stop in wanted:
+            if self._vain.get(name) == stop:
                 continue
-            if found is not None:
-                self._found[one.id] = found
+            try:
+                if not await self._reaches(name, stop):
+                    self._vain[name] = stop
+            except Exception as error:
+                # Whatever is wrong with it: others are behind it, and whoever takes it will say so.
+                self._vain[name] = stop
+                logger.warning("session %s is not estimated ahead: %s", name, type(error).__name__)
         return len(wanted)
 
     def put_into(self, streamed: Mapping[str, Streamed]) -> dict[str, Streamed]:
@@ -133,14 +132,18 @@ class Preparation:
             for name, one in streamed.items()
         }
 
-    async def _estimated(self, stored: StoredSession, stop: int) -> Checkpoint | None:
-        """Return where a session stands where its checkpoint does: what came before that is stored, its frames too."""
-        known = self._found.get(stored.id)
+    async def _reaches(self, session_id: str, stop: int) -> bool:
+        """Go on where a session's checkpoint stands: what came before that is stored, its frames too."""
+        known = self._found.get(session_id)
+        if known is not None and known.sequence >= stop:
+            return True
+        stored = await asyncio.to_thread(repository.load, self._engine, session_id)
         declaration = Declaration.from_dict(stored.hello or {})
         met = [one.first_sequence for one in declaration.clock_epochs]
         met += [one.first_sequence for one in declaration.found_clips]
-        if (known is not None and known.sequence >= stop) or any(one >= stop for one in met):
-            return None
+        if any(one >= stop for one in met):
+            # The next checkpoint has it.
+            return False
         setup = setup_for(SessionSetup.from_dict(stored.setup), declaration)
         await self._readiness.require(setup)
         session = LiveSession(
@@ -152,14 +155,28 @@ class Preparation:
             bus=self._bus,
             result_id="",
         )
-        return await asyncio.to_thread(self._where, session, known, stop)
+        is_over = threading.Event()
+        try:
+            return await asyncio.to_thread(self._go_on, session, known, stop, is_over)
+        finally:
+            # Where nobody waits any more the thread ends soon, and what it has done so far is not lost.
+            is_over.set()
 
-    def _where(self, session: LiveSession, known: Checkpoint | None, stop: int) -> Checkpoint | None:
-        if rebuild(session, self._engine, known, is_exact=True, stop=stop) is not None:
-            # Its estimation has stopped; whoever takes it will say so.
-            return None
-        state = capture(session)
-        return None if state is None else pack(state)
+    def _go_on(
+        self, session: LiveSession, known: Checkpoint | None, stop: int, is_over: threading.Event
+    ) -> bool:
+        trouble = rebuild(
+            session,
+            self._engine,
+            known,
+            is_exact=True,
+            until=lambda sequence: sequence >= stop or is_over.is_set(),
+        )
+        state = capture(session) if trouble is None else None
+        if state is None:
+            return False
+        self._found[session.id] = pack(state)
+        return True
 
 
 __all__ = ["Preparation"]

@@ -2,6 +2,8 @@
 
 import asyncio
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,6 +21,7 @@ from app.network.declaration import FoundClips
 from app.recordings.models import LiveCheckpoint, MotionSession
 from app.scaled.fencing import Fence, fenced, take_over
 from app.scaled.taking_up import read_streamed
+from app.scaled.worker import holder
 from app.scaled.worker.preparing import Preparation
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.settings import Settings
@@ -27,6 +30,7 @@ from tests.app.live.engine.both_ways import worn
 from tests.app.live.engine.test_both_ways import ARM
 from tests.app.live.live_load import remember, swaying
 from tests.benchmarks.service import SECRET
+from tests.patience import PATIENCE_S
 from tests.scaled.test_taking_up import SECONDS, database, goes_on, limits, no_checks, streamed, writer_of
 
 __all__ = ["database", "no_checks"]
@@ -63,10 +67,10 @@ def test_what_others_still_hold_is_estimated_ahead_and_taken_with_every_bit(
 
         readiness = Readiness(lambda _: None)
         held: set[str] = set()
+        broken_one = stayed[1]
+        is_broken = MotionSession.id == broken_one.id
         ahead = Preparation(database, readiness, held.__contains__)
-        assert ahead.trouble() is None
         await ahead.short()
-        assert ahead.trouble() is None
         open_ones, _ = unfinished(database, lambda _: True)
         plain = read_streamed(database, open_ones)
         found = ahead.put_into(plain)
@@ -83,22 +87,19 @@ def test_what_others_still_hold_is_estimated_ahead_and_taken_with_every_bit(
         fed.clear()
         assert await ahead.once() == 2
         assert fed == [], "nothing has come since"
-        clipped = replace(
-            stayed[1].declaration, found_clips=(FoundClips(max(fed, default=10**6), 0, (None,) * 12),)
-        )
+        clipped = replace(broken_one.declaration, found_clips=(FoundClips(10**6, 0, (None,) * 12),))
+        for broken in (clipped.to_dict(), {"nothing": "that can be read"}):
+            fed.clear()
+            with database.begin() as connection:
+                connection.execute(update(LiveCheckpoint).values(sequence=LiveCheckpoint.sequence + 1))
+                connection.execute(update(MotionSession).where(is_broken).values(hello=broken))
+            assert await ahead.once() == 2
+            assert len(fed) == 1, "what comes into force behind a checkpoint waits for the next one"
+            assert await ahead.once() == 2
+            assert len(fed) == 1, "and is not tried again before"
         with database.begin() as connection:
-            connection.execute(update(LiveCheckpoint).values(sequence=LiveCheckpoint.sequence + 1))
-            connection.execute(
-                update(MotionSession).where(MotionSession.id == stayed[1].id).values(hello=clipped.to_dict())
-            )
-        await ahead.once()
-        assert len(fed) == 1, "what came into force behind a checkpoint waits for the next one"
-        with database.begin() as connection:
-            connection.execute(
-                update(MotionSession)
-                .where(MotionSession.id == stayed[1].id)
-                .values(hello=stayed[1].declaration.to_dict())
-            )
+            whole_again = broken_one.declaration.to_dict()
+            connection.execute(update(MotionSession).where(is_broken).values(hello=whole_again))
 
         fed.clear()
         where = {
@@ -128,5 +129,54 @@ def test_what_others_still_hold_is_estimated_ahead_and_taken_with_every_bit(
         first.end_checks()
         first._check_process.close()
         shared.check.close()
+
+    asyncio.run(story())
+
+
+class Asked:
+    """A broker's place in the module under test: who answers is written down before."""
+
+    def __init__(self, answers: list[set[str] | Exception]) -> None:
+        self.answers = answers
+
+    async def __call__(self, *_: object) -> set[str]:
+        found = self.answers.pop(0) if len(self.answers) > 1 else self.answers[0]
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+
+@pytest.mark.parametrize(
+    ("answers", "is_waited"),
+    [
+        ([set()], False),
+        ([{"a", "b"}, TimeoutError(), {"a", "b", "c"}], True),
+        ([{"a", "b"}, {"a", "b"}, {"b"}], False),
+    ],
+    ids=["nobody is there", "all stay", "one goes"],
+)
+def test_a_worker_waits_for_what_is_estimated_ahead_only_while_others_show_it(
+    monkeypatch: pytest.MonkeyPatch, answers: list[set[str] | Exception], is_waited: bool
+) -> None:
+    asked = Asked(answers)
+    monkeypatch.setattr(holder, "others_of", asked)
+    monkeypatch.setattr(holder, "LOOK_S", 0.01)
+
+    async def story() -> None:
+        ended = asyncio.Event()
+
+        async def short() -> None:
+            await ended.wait()
+
+        ahead = SimpleNamespace(short=short, comes_soon=None)
+        worker = SimpleNamespace(
+            ahead=ahead, _broker=SimpleNamespace(partitions=8), _name="n", _until_one_goes=None
+        )
+        worker._until_one_goes = partial(holder.Worker._until_one_goes, worker)
+        waiting = asyncio.create_task(holder.Worker._estimate_ahead(worker))  # type: ignore[arg-type]
+        await asyncio.wait([waiting], timeout=0.3)
+        assert waiting.done() is not is_waited
+        ended.set()
+        await asyncio.wait_for(waiting, PATIENCE_S)
 
     asyncio.run(story())
