@@ -104,8 +104,12 @@ HIDDEN = """() => {
         if (width < 2) continue;
         const above = document.elementFromPoint(left + width / 2, top + height / 2);
         const own = [one, ...(one.labels ?? [])];
+        const cut = one.matches('button, a')
+            && [one, ...one.querySelectorAll('*')].some((each) => each.scrollWidth > each.clientWidth + 1
+                && getComputedStyle(each).overflowX !== 'visible');
         const shown = own.some((each) => each.contains(above) || above?.contains(each));
-        if (left < -1 || right > innerWidth + 1 || !shown) found.push(one.innerText || one.ariaLabel || one.name);
+        if (left < -1 || right > innerWidth + 1 || !shown || cut)
+            found.push(one.innerText || one.ariaLabel || one.name);
     }
     return found;
 }"""
