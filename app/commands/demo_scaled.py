@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -33,7 +33,8 @@ WORKERS: Final = 2
 NATS_PORT: Final = 4322
 """Not the usual one, where a server of somebody else may be."""
 MQTT_PORT: Final = 1884
-START_S: Final = 180.0
+START_S: Final = 1800.0
+"""A first start compiles for minutes; who has ended by itself is not waited for."""
 END_S: Final = 20.0
 
 
@@ -72,11 +73,18 @@ def demo_scaled(port: int, folder: Path) -> None:
         file = _configured(folder, nats_url)
         stack.enter_context(_running([server, "-c", str(file)], {}, folder / "nats.log"))
         kinds = ["edge"] * EDGES + ["worker"] * WORKERS
-        for kind, one in reversed(list(zip(kinds, ports, strict=True))):
-            command = [sys.executable, "-m", "app.cli", kind, "--port", str(one)]
-            environment = _environment(url, nats_url, folder, one)
-            stack.enter_context(_running(command, environment, None))
-        _until_ready(ports)
+        parts = dict(zip(ports, kinds, strict=True))
+        typer.echo(
+            "  Starting two edges and two workers; the first time their code is compiled: some minutes ..."
+        )
+        running = {}
+        # What the first worker compiles the others find.
+        for together in (ports[-1:], ports[:-1]):
+            for one in together:
+                command = [sys.executable, "-m", "app.cli", parts[one], "--port", str(one)]
+                environment = _environment(url, nats_url, folder, one)
+                running[one] = stack.enter_context(_running(command, environment, None))
+            _until_ready(running)
         address = f"http://127.0.0.1:{port}"
         companion = [sys.executable, "-m", "app.demo.companion", "--server", address, "--stream"]
         stack.enter_context(_running([*companion, "--started-s", str(time.time())], {}, None))
@@ -142,14 +150,16 @@ def _environment(url: str, nats_url: str, folder: Path, port: int) -> dict[str, 
 
 
 @contextmanager
-def _running(command: Sequence[str], environment: dict[str, str], log: Path | None) -> Iterator[None]:
+def _running(
+    command: Sequence[str], environment: dict[str, str], log: Path | None
+) -> Iterator[subprocess.Popen[bytes]]:
     """Run a process while the context lasts."""
     output: Any = None if log is None else log.open("ab")
     process = subprocess.Popen(  # noqa: S603 - our own interpreter, and the server of a wheel
         command, env=os.environ | environment, stdout=output, stderr=output, start_new_session=True
     )
     try:
-        yield
+        yield process
     finally:
         process.terminate()
         try:
@@ -161,10 +171,12 @@ def _running(command: Sequence[str], environment: dict[str, str], log: Path | No
             output.close()
 
 
-def _until_ready(ports: Sequence[int]) -> None:
+def _until_ready(running: Mapping[int, subprocess.Popen[bytes]]) -> None:
+    """Return when edges and workers, by their port, answer."""
     until_s = time.monotonic() + START_S
-    while not all(answers(port) for port in ports):
-        if time.monotonic() > until_s:
+    while not all(answers(port) for port in running):
+        has_ended = any(process.poll() is not None for process in running.values())
+        if has_ended or time.monotonic() > until_s:
             raise Unavailable("Not every edge and worker answers; see what they wrote above.")
         time.sleep(0.2)
 
