@@ -1,7 +1,7 @@
 """The phase filter: one update of the probability of each phase and size, of rest and of a wrong movement.
 
 Equations (1) to (8) of the house's page on live guidance, and what they leave out, which put the phase of somebody who
-repeats the template exactly 2 to 5 % of the movement ahead in holds, and 1 % behind after them and at the end:
+repeats the template exactly ahead in holds, and behind after them and at the end:
 
 - (2) expects the template's pace; here the patient's own, which the filter follows.
 - (3) charges standing still; (4) asks whither, not how fast the body moves. Here slopes are held against the pace of
