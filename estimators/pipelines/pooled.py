@@ -56,7 +56,21 @@ class Columns(NamedTuple):
 
 
 class Pool(Protocol):
-    """Rows of some sessions of one kind, and their compiled step."""
+    """Rows of some sessions of one kind, and their compiled step.
+
+    Parameters
+    ----------
+    like : Pipeline
+        One of the sessions, which `key` accepts.
+    channels : int
+        Two, or three with a magnetometer.
+    sessions : int
+        Room for so many.
+    rows : int
+        Of `columns`.
+    carried : mapping of str to slice
+        Fields of `ImuChunk` that come beside motion, and their columns.
+    """
 
     sessions: int
     """How many it has room for."""
@@ -65,6 +79,14 @@ class Pool(Protocol):
     errors: dict[int, tuple[int, Exception]]
     """By slot whose pipeline raised in the last step: the stretch from which on nothing of it was written, and what it
     raised."""
+
+    def __init__(
+        self, like: Pipeline, channels: int, sessions: int, rows: int, carried: Mapping[str, slice]
+    ) -> None: ...
+
+    @staticmethod
+    def key(pipeline: Pipeline) -> Hashable | None:
+        """Return what sessions of a pool have in common; None when the pipeline can be in none as it stands."""
 
     def join(self, slot: int, pipeline: Pipeline) -> bool:
         """Let a pipeline go on over the rows of a slot; False when it cannot, as it stands now.
@@ -132,21 +154,7 @@ _SHOWN: Final = (
 
 
 class StepPool:
-    """Sessions whose pipelines are called one by one; implements `Pool`.
-
-    Parameters
-    ----------
-    like : Pipeline
-        One of the sessions, which `key` accepts.
-    channels : int
-        Two, or three with a magnetometer.
-    sessions : int
-        Room for so many.
-    rows : int
-        Of `columns`.
-    carried : mapping of str to slice
-        Fields of `ImuChunk` that come beside motion, and their columns.
-    """
+    """Sessions whose pipelines are called one by one; implements `Pool`."""
 
     def __init__(
         self, like: Pipeline, channels: int, sessions: int, rows: int, carried: Mapping[str, slice]
@@ -165,7 +173,7 @@ class StepPool:
 
     @staticmethod
     def key(pipeline: Pipeline) -> Hashable | None:
-        """Return what sessions of a pool have in common."""
+        """Return what sessions of a pool have in common; any pipeline can be in one."""
         return pipeline.setup.placements, pipeline.setup.rate_hz, pipeline.layout
 
     def join(self, slot: int, pipeline: Pipeline) -> bool:

@@ -36,6 +36,8 @@ CORES: Final = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") 
 """With one a thread that estimates would only take the loop's time."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
+KINDS: Final[tuple[type[Pool], ...]] = (ArmPool, StepPool)
+"""Of pools, those with a compiled step first; the last takes any pipeline."""
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
 _PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}
 STATUS, SEQUENCE, TIME_US, DURATION_US = (
@@ -62,10 +64,13 @@ def pool_key(pipeline: Pipeline, channels: int, carried: int) -> Hashable | None
     if any(spec.cell in cells and not carried & spec.bit for spec in CARRIED):
         # Half a cell takes the general way.
         return None
-    key = ArmPool.key(pipeline)
-    if key is not None:
-        return ArmPool, channels, carried, key
-    return StepPool, channels, carried, StepPool.key(pipeline)
+    kind, key = _kind_of(pipeline)
+    return kind, channels, carried, key
+
+
+def _kind_of(pipeline: Pipeline) -> tuple[type[Pool], Hashable]:
+    """Return the first kind of pool that takes a pipeline as it stands, and its key there."""
+    return next((kind, key) for kind in KINDS if (key := kind.key(pipeline)) is not None)
 
 
 def _columns(carried: int) -> dict[str, slice]:
@@ -91,11 +96,7 @@ class SessionPool:
         sensors = len(like.setup.placements)
         most_ticks = ITEMS * MOST_TICKS
         rows = SESSIONS * FRAME_ROWS
-        self.kind: Pool
-        if ArmPool.key(like) is not None:
-            self.kind = ArmPool(like, channels, SESSIONS, rows)  # type: ignore[arg-type]
-        else:
-            self.kind = StepPool(like, channels, SESSIONS, rows, _columns(carried))
+        self.kind = _kind_of(like)[0](like, channels, SESSIONS, rows, _columns(carried))
         self.sensors = sensors
         self.network: Network = network_rows(SESSIONS, channels, sensors, recent_ticks, carried)
         self.free = list(range(SESSIONS))[::-1]

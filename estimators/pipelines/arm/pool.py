@@ -1,6 +1,6 @@
 """A pool of live arm sessions: pipelines whose arrays are views of its rows, and one step for all of them."""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -26,20 +26,12 @@ class ArmPool:
 
     Sessions that are calibrated and use our own filter join, without calibrations made in the hand and without the
     constraint of joint headings: those run through `ArmPipeline.step`.
-
-    Parameters
-    ----------
-    like : ArmPipeline
-        One of the sessions, which `key` accepts.
-    channels : int
-        Two, or three with a magnetometer.
-    sessions : int
-        Rows for so many.
-    rows : int
-        Of `columns`.
     """
 
-    def __init__(self, like: ArmPipeline, channels: int, sessions: int, rows: int) -> None:
+    def __init__(
+        self, like: Pipeline, channels: int, sessions: int, rows: int, carried: Mapping[str, slice]
+    ) -> None:
+        assert isinstance(like, ArmPipeline)
         network, model, mass = like._network, like._model, like._mass
         assert isinstance(network._filter, TelemotionEstimator)
         assert model is not None

@@ -90,7 +90,7 @@ def test_bits_of_sessions_that_change_between_both_ways(placements: tuple[str, .
     alone: list[ArmPipeline] = [pipelines.create(setup) for setup, _ in sessions]  # type: ignore[misc]
     mixed: list[ArmPipeline] = [pipelines.create(setup) for setup, _ in sessions]  # type: ignore[misc]
     assert ArmPool.key(mixed[0]) == ArmPool.key(mixed[1]) is not None
-    pool = ArmPool(mixed[0], 3, 4, 512)
+    pool = ArmPool(mixed[0], 3, 4, 512, {})
     first = 0
     while first < TICKS:
         ticks = int(random.choice([1, 5, 5, 5, 20, 64]))
@@ -112,7 +112,7 @@ def test_leaving_gives_arrays_of_its_own() -> None:
     setup, chunk = session(ARM, 4)
     one: ArmPipeline = pipelines.create(setup)  # type: ignore[assignment]
     other: ArmPipeline = pipelines.create(setup)  # type: ignore[assignment]
-    pool = ArmPool(one, 3, 1, 64)
+    pool = ArmPool(one, 3, 1, 64, {})
     assert pool.join(0, one)
     pool.leave(0, one)
     assert pool.join(0, other)
