@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -24,10 +24,12 @@ from app.recordings.models import MotionSession
 from app.recordings.schemas import SessionIn
 from app.sentences import say
 from estimators import pipelines
+from estimators.compiling import Kernel
 from estimators.errors import EstimationError
 from estimators.magnetic import coil_state
 from estimators.orientation import DEFAULT
 from estimators.pipelines import FEET, GaitPipeline, RelativePosePipeline, SessionSetup, relative_feet
+from estimators.pipelines.relative.pooled_kernel import step_relative
 from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -84,7 +86,7 @@ class MagneticKind(SessionKind):
         require_confirmed(session, found, hours)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
-        """Go from the standstill through the first burst."""
+        """Go from the standstill through the first burst; make ready what takes many sessions together."""
         source = pipelines.create(SessionSetup(self.pipeline.name, ("pelvis", "sternum"), 100.0))
         coil = 0
         for chunk in still(2, 300):
@@ -93,6 +95,7 @@ class MagneticKind(SessionKind):
             frames = source.step(replace(chunk, coil_state=state))
             # What was asked for is fired in the next packet.
             coil = int(frames.scalar[:, frames.layout.scalars.index("source_ask_coil")].max())
+        cast(Kernel, step_relative).prepare()
 
 
 KIND: Final = MagneticKind()

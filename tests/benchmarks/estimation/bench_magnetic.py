@@ -3,7 +3,8 @@
 Run: `python -m tests.benchmarks.estimation.bench_magnetic` from the root, or `make bench-magnetic`.
 Ends with status 1 if field and gradient of a coil are evaluated less often than `REQUIRED_FIELDS` a second, or if the
 pipeline of a session at 120 Hz, as the product sets it up and in packets of `PACKET_TICKS` as the network sends them,
-takes more than `REQUIRED_SHARE` of a core. Times are those of the processor, best of several runs.
+takes more than `REQUIRED_SHARE` of a core. Beside it stands what the same packets cost where `POOLED` sessions share a
+pool, as in the live engine, whose calls take a packet of each. Times are those of the processor, best of several runs.
 """
 
 import argparse
@@ -25,6 +26,8 @@ from estimators.magnetic import _loop_kernel as kernel
 from estimators.magnetic.published import predict
 from estimators.magnetic.relative import layout as at
 from estimators.pipelines import RelativePosePipeline, SessionSetup
+from estimators.pipelines.pooled import STRETCH, StepPool
+from estimators.pipelines.relative.pool import RelativePool
 from estimators.recording import ImuChunk
 from estimators.simulation.coils import relative_motion, relative_scene, run_closed_loop
 from tests.benchmarks.machine import processor
@@ -32,6 +35,7 @@ from tests.benchmarks.machine import processor
 REQUIRED_FIELDS = 1e6
 REQUIRED_SHARE = 0.01
 POINTS, SECONDS, RATE_HZ, PACKET_TICKS = 100_000, 20.0, 120.0, 5
+POOLED = 20
 
 
 @dataclass(frozen=True)
@@ -127,13 +131,57 @@ def session_shares(repetitions: int) -> list[Share]:
     return shares
 
 
+def pooled_shares(repetitions: int) -> list[Share]:
+    """Return what each of many sessions takes in a pool: called one by one, and in one compiled call."""
+    setup, whole = session(1)
+    parts = [
+        whole.ticks(k, k + PACKET_TICKS) for k in range(0, whole.tick_count - PACKET_TICKS, PACKET_TICKS)
+    ]
+    assert whole.magnetometer_t is not None
+    assert whole.coil_state is not None
+    modules, rows = whole.sensor_count, 2 * PACKET_TICKS
+    samples = modules * PACKET_TICKS
+    stretches = np.zeros(POOLED, dtype=STRETCH)
+    stretches["slot"], stretches["ticks"] = np.arange(POOLED), PACKET_TICKS
+    for name, step in (("signals_at", 9 * samples), ("quality_at", samples), ("tick_at", rows)):
+        stretches[name] = step * np.arange(POOLED)
+    packets = []
+    for part in parts:
+        signals = np.stack([part.gyroscope_radps, part.accelerometer_mps2, part.magnetometer_t])
+        given = (signals, part.quality, part.coil_state)
+        packets.append((part.first_tick, *(np.tile(values.ravel(), POOLED) for values in given)))
+
+    def spent(kind: type[RelativePool] | type[StepPool]) -> float:
+        sessions = [pipelines.create(setup) for _ in range(POOLED)]
+        pool = kind(sessions[0], 3, POOLED, POOLED * rows, {"coil_state": slice(0, 1)})
+        for slot, one in enumerate(sessions):
+            pool.join(slot, one)
+        begin = time.process_time()
+        for first_tick, signals, quality, carried in packets:
+            stretches["first_tick"] = first_tick
+            pool.step(stretches, POOLED, signals, quality, carried)
+        taken = time.process_time() - begin
+        assert not pool.errors
+        for one in sessions:
+            pool.stepped(one, whole.tick_count)
+        return taken
+
+    shares = []
+    for kind, how in ((StepPool, "one by one"), (RelativePool, "compiled")):
+        each = min(spent(kind) for _ in range(repetitions)) / POOLED
+        name = f"one of {POOLED} in a pool, sensors 1, {how}"
+        shares.append(Share(name, each / SECONDS, 1e6 * each / len(packets), False))
+    return shares
+
+
 def main() -> int:
     """Print both tables; return 1 if a limit is missed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=int, default=5)
     repetitions = parser.parse_args().repetitions
     print(f"machine: {processor()}, Python {platform.python_version()}, one core, best of {repetitions}")
-    rates, shares = field_rates(repetitions), session_shares(repetitions)
+    rates = field_rates(repetitions)
+    shares = session_shares(repetitions) + pooled_shares(repetitions)
     slow = [name for name, rate in rates.items() if "gradient" in name and rate < REQUIRED_FIELDS]
     print(f"\n{'fields':<48} {'1/s':>12} {'required':>12}")
     for name, rate in rates.items():

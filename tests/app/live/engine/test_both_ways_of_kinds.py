@@ -30,8 +30,9 @@ from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from estimators.channels import CHANNELS
 from estimators.orientation import DEFAULT
+from estimators.pipelines.relative.pool import RelativePool
 from tests.app.live.engine.both_ways import Sender
-from tests.app.live.engine.test_both_ways import Pair
+from tests.app.live.engine.test_both_ways import Pair, stored
 from tests.benchmarks.live.parts import Part, magnetic, walks
 
 SECONDS = 14.0
@@ -117,6 +118,10 @@ def test_the_same_bits_on_a_bad_link(
         if seed:
             packets = list(shaken(packets, random))
         pair.give(packets, random)
+        if make is magnetic:
+            pool = pair.sessions[1].lane.pool  # type: ignore[union-attr]
+            assert pool is not None
+            assert isinstance(pool.kind, RelativePool)
         await pair.settle()
         pair.compare()
         assert heard[0] == heard[1]
@@ -204,5 +209,35 @@ def test_one_that_fails_leaves_its_neighbours_alone(manager: LiveManager, world:
         assert sound.line.is_running
         assert [len(one.ledger.received) for one in (broken, sound)] == [80, 80], "stored all the same"
         assert sound.aligner.next_tick > broken.aligner.next_tick
+
+    asyncio.run(run())
+
+
+def test_a_burst_that_cannot_be_solved_ends_its_own_session_alone(manager: LiveManager, world: Any) -> None:
+    async def run() -> None:
+        part = magnetic(6.0)
+        made = [await opened(manager, world.subjects["therapist"], world.patient_id, part) for _ in range(2)]
+        pair = Pair(Sender(made[0]), Sender(made[1]), manager)
+        broken, sound = pair.sessions
+
+        def fail() -> None:
+            raise FloatingPointError("no solution")
+
+        broken.pipeline.filters["thigh_right"].handle_event = fail  # type: ignore[attr-defined]
+        for number, data in enumerate(part.packets):
+            for sender in (pair.general, pair.pooled):
+                manager.pooled.offer(sender, memoryview(data), 0, 100.0 + 0.04 * number, 0)
+            if number % 3 == 2:
+                manager.pooled.turn()
+        manager.pooled.turn()
+        assert broken.state == "failed"
+        assert 0 < broken.aligner.next_tick < sound.aligner.next_tick
+        assert sound.line.is_running
+        names = sound.pipeline.layout.scalars
+        frames = stored(manager, sound)
+        assert len(frames["ticks"]) == sound.aligner.next_tick
+        scalar = np.frombuffer(frames["scalar"]).reshape(-1, len(names))
+        assert np.isfinite(scalar[-1, names.index("thigh_right_distance_m")]), "its own burst was solved"
+        assert [len(one.ledger.received) for one in (broken, sound)] == [len(part.packets)] * 2, "all stored"
 
     asyncio.run(run())
