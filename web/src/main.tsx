@@ -1,3 +1,5 @@
+// Before all else, so that the words come while the rest is read.
+import { firstWords } from './i18n/first';
 import '@mantine/core/styles.css';
 import '@fontsource-variable/atkinson-hyperlegible-next';
 import 'uplot/dist/uPlot.min.css';
@@ -16,9 +18,8 @@ import { StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
 import { RouterProvider } from 'react-router';
 import { ApiError } from './api/client';
-import { keys } from './api/queries';
+import { keys, meQuery } from './api/queries';
 import { router } from './App';
-import { speakLanguage, wanted } from './i18n/languages';
 import { isNotFetched } from './lib/browser/pieces';
 import { theme } from './theme';
 
@@ -57,8 +58,7 @@ function draw(element: HTMLElement): void {
   );
 }
 
-// Words first; where the wanted ones cannot be fetched, English is better than nothing. Not awaited at the top: pieces that share
-// code with an entry that waits are cut apart, which costs the patient's pages 14 kB.
-void speakLanguage(wanted())
-  .catch(() => speakLanguage('en'))
-  .then(() => draw(root));
+// Asked while the words are still coming. Not awaited at the top: pieces that share code with an entry that waits are cut apart,
+// which costs the patient's pages 14 kB.
+void queryClient.prefetchQuery(meQuery);
+void firstWords.then(() => draw(root));

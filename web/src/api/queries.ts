@@ -5,6 +5,7 @@ import {
   useQuery,
   useQueryClient,
   type InfiniteData,
+  queryOptions,
   type QueryClient,
 } from '@tanstack/react-query';
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
@@ -66,20 +67,20 @@ async function accept(me: Wire.Me): Promise<Wire.Me> {
 }
 
 /** Who is signed in; null when nobody is. */
-export function useMe() {
-  return useQuery({
-    queryKey: keys.me,
-    queryFn: async ({ signal }): Promise<Wire.Me | null> => {
-      try {
-        return await accept(await api.get<Wire.Me>('/api/me', signal));
-      } catch (error) {
-        if (error instanceof ApiError && error.status === 401) return null;
-        throw error;
-      }
-    },
-    staleTime: Infinity,
-  });
-}
+export const meQuery = queryOptions({
+  queryKey: keys.me,
+  queryFn: async ({ signal }): Promise<Wire.Me | null> => {
+    try {
+      return await accept(await api.get<Wire.Me>('/api/me', signal));
+    } catch (error) {
+      if (error instanceof ApiError && error.status === 401) return null;
+      throw error;
+    }
+  },
+  staleTime: Infinity,
+});
+
+export const useMe = () => useQuery(meQuery);
 
 export function useSignIn() {
   const client = useQueryClient();

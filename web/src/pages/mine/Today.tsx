@@ -115,6 +115,9 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
   const prescriptions = usePrescriptions(patientId);
   const sessions = usePatientSessions(patientId);
   const progress = useProgress(patientId, null);
+  // Asked for with the list, not only by its cards.
+  usePatient(patientId);
+  useExercises();
   const running = sessions.data?.find((one) => isLive(one.state));
   const due = (prescriptions.data ?? []).filter(isOpenToday);
   const done = (prescriptions.data ?? []).filter((one) => !isOpenToday(one));
