@@ -152,6 +152,7 @@ class _WorkerOpening:
         tasks = Tasks(services, broker)
         await tasks.start()
         stack.push_async_callback(tasks.stop)
+        await worker.look_for_others()
         await _watch_readiness(services, stack, lock, {"sessions": worker.ahead.trouble})
         services.add(_observe_worker(services, worker, shared))
         transport = httpx.ASGITransport(app=self._app())

@@ -8,6 +8,7 @@ import importlib
 import os
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -66,6 +67,7 @@ def demo_scaled(port: int, folder: Path) -> None:
     for one in (*ports, NATS_PORT, MQTT_PORT):
         listen("127.0.0.1", one).close()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    _interrupted_by_signals()
     with ExitStack() as stack:
         url = stack.enter_context(_postgresql(folder))
         _prepare(url)
@@ -94,6 +96,13 @@ def demo_scaled(port: int, folder: Path) -> None:
                 time.sleep(1.0)
         except KeyboardInterrupt:
             typer.echo("  Stopping ...")
+
+
+def _interrupted_by_signals() -> None:
+    """Have whoever stops this process, with or without a terminal, stop all that it started."""
+    for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        # Also where a shell that started it in the background has it ignore Ctrl-C.
+        signal.signal(one, signal.default_int_handler)
 
 
 @contextmanager

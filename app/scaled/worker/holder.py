@@ -61,8 +61,16 @@ class Worker(SteeredSide):
         shared.ahead = self.ahead = Preparation(
             engine, shared.readiness, lambda one: partition_of(one, broker.partitions) in self.leases.held
         )
-        self.ahead.is_waited_for = True
+        self._others: set[str] = set()
         self._tasks: list[asyncio.Task[None]] = []
+
+    async def look_for_others(self) -> None:
+        """Find the workers that show the sessions: while there are some, `start` first estimates ahead what it can."""
+        try:
+            self._others = await others_of(self._broker, self._name)
+        except (nats.errors.Error, StreamError, OSError, TimeoutError) as error:
+            logger.warning("no other worker is known: %s", type(error).__name__)
+        self.ahead.is_waited_for = bool(self._others)
 
     async def start(self, ask: Ask) -> None:
         """Begin to hold partitions; requests of edges are answered by `ask`."""
@@ -87,7 +95,7 @@ class Worker(SteeredSide):
 
     async def _estimate_ahead(self) -> None:
         """Wait for what is estimated ahead, while others show what this worker is about to take."""
-        partitions, others = self._broker.partitions, await others_of(self._broker, self._name)
+        partitions, others = self._broker.partitions, self._others
         if not others:
             return
         rank = sorted([*others, self._name]).index(self._name)

@@ -170,9 +170,12 @@ def test_a_worker_waits_for_what_is_estimated_ahead_only_while_others_show_it(
 
         ahead = SimpleNamespace(short=short, comes_soon=None)
         worker = SimpleNamespace(
-            ahead=ahead, _broker=SimpleNamespace(partitions=8), _name="n", _until_one_goes=None
+            ahead=ahead, _broker=SimpleNamespace(partitions=8), _name="n", _others=set(), _until_one_goes=None
         )
         worker._until_one_goes = partial(holder.Worker._until_one_goes, worker)
+        await holder.Worker.look_for_others(worker)  # type: ignore[arg-type]
+        # Before anything else is asked of it, it says whether it takes sessions yet.
+        assert ahead.is_waited_for is bool(answers[0])
         waiting = asyncio.create_task(holder.Worker._estimate_ahead(worker))  # type: ignore[arg-type]
         await asyncio.wait([waiting], timeout=0.3)
         assert waiting.done() is not is_waited
