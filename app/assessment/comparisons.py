@@ -45,6 +45,7 @@ from estimators.comparison import (
     compare,
     comparison_from_bytes,
     comparison_to_bytes,
+    is_of_stride,
     mirror_template,
 )
 from estimators.errors import ComparisonError, EstimationError
@@ -168,8 +169,16 @@ def _compute(
     result = recordings.result_of(session, found, result_id)
     scale = tolerance_scale_of(session, found, version.template_id)
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
-    template = drawn_template(version, None if exercise is None else exercise.side, scale)
+    patient = session.get_one(Patient, found.patient_id)
     source = load_source(session, found, result)
+    template = drawn_template(version, scale=scale)
+    side = source.acting_side(
+        template.side if exercise is None else exercise.side, patient.affected_side, template.side
+    )
+    if is_of_stride(template.primary_channel) is (source.cycles is None):
+        raise InvalidInput(say("template.other_kind"), field="template_version_id")
+    if side != template.side:
+        template = mirror_template(template)
     prescribed = repository.prescribed_version(session, found)
     # What was counted by another template says nothing about this one.
     is_counted = prescribed is not None and prescribed.template_id == version.template_id
@@ -181,6 +190,8 @@ def _compute(
             source.reach_m,
             source.start_s,
             source.end_s,
+            None if source.cycles is None else source.judged(side),
+            is_judged=source.cycles is not None,
             counted=counted_live(session, found) if is_counted else None,
         )
     except EstimationError as error:

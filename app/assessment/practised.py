@@ -13,7 +13,7 @@ from app.kinds.walk.schemas import WalkContent
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
 from app.recordings.signals.store import read_frames
-from estimators.comparison import Repetition, find_repetitions, judge_repetitions, moving_time
+from estimators.comparison import Repetition, moving_time
 from estimators.errors import EstimationError
 from estimators.gait import GUIDED_KINDS
 
@@ -102,8 +102,7 @@ def walked_s(content: WalkContent) -> float:
 def _found(session: Session, found: MotionSession, side: str) -> list[Repetition]:
     source = load_source(session, found, recordings.result_of(session, found, None))
     try:
-        repetitions = find_repetitions(source.moved, side, source.start_s, source.end_s)
-        return judge_repetitions(source.moved, repetitions, side)
+        return source.judged(side)
     except EstimationError:
         # Nothing of that arm was worn.
         return []

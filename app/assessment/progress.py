@@ -60,7 +60,7 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     values = session_values(session, [patient_id], exercise_id)
     walked = walk_values(session, patient_id, exercise_id)
     if walked and (not values or walked[-1].at >= values[-1].at):
-        return _of_walks(session, patient, walked)
+        return _of_walks(session, patient, walked, values)
     if exercise_id is None and values:
         exercise_id = values[-1].exercise_id
         values = [value for value in values if value.exercise_id == exercise_id]
@@ -76,19 +76,26 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     )
 
 
-def _of_walks(session: Session, patient: Patient, values: list[SessionValue]) -> Progress:
-    """Return the progress of the walks of one kind; of all kinds, that of the newest."""
-    exercise_id = values[-1].exercise_id
-    values = [value for value in values if value.exercise_id == exercise_id]
-    measures = _by_measure(values)
+def _of_walks(
+    session: Session, patient: Patient, walked: list[SessionValue], compared: list[SessionValue]
+) -> Progress:
+    """Return the progress of the walks of one kind; of all kinds, that of the newest.
+
+    After the measures of the walk come those of its strides beside a template, where they were compared with one.
+    """
+    exercise_id = walked[-1].exercise_id
+    values = [value for value in walked if value.exercise_id == exercise_id]
+    beside = [value for value in compared if value.exercise_id == exercise_id]
+    measures, of_strides = _by_measure(values), _by_measure(beside)
     others = walked_other_side(patient, values)
     return Progress(
         exercise_id=exercise_id,
         measures=[
             _measure(patient, measures[name], others, walk_label(name))
             for name in sorted(measures, key=walk_order)
-        ],
-        events=_events(session, patient.id, exercise_id, values),
+        ]
+        + [_measure(patient, of_strides[name], {}) for name in sorted(of_strides)],
+        events=_events(session, patient.id, exercise_id, sorted([*values, *beside], key=lambda one: one.at)),
     )
 
 

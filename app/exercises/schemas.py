@@ -99,6 +99,9 @@ class TemplateContent(Schema):
     movement_onset_phases: list[int] = Field(default_factory=list)
     measures: list[TemplateMeasure] = Field(default_factory=list)
     """Of which a weighted sum may be made."""
+    side: Literal["left", "right"] = "right"
+    sides: list[Literal["left", "right"]] = Field(default_factory=list)
+    """Of a preview: sides to choose from, where a movement is one of both as a walk is."""
 
 
 class TemplatePreviewIn(Schema):
@@ -111,6 +114,9 @@ class TemplatePreviewIn(Schema):
     None lets the service decide."""
     tolerance_scale: dict[str, float] = Field(default_factory=dict)
     """Factor on the band per channel, 1 when absent."""
+    side: Literal["left", "right"] | None = None
+    """Of a movement of both sides, as a walk: whose foot; None: that of the affected side. Others have the side of
+    their exercise."""
 
 
 class TemplateIn(TemplatePreviewIn):
@@ -120,6 +126,8 @@ class TemplateIn(TemplatePreviewIn):
     patient_id: str | None = None
     template_id: str | None = None
     name: str = Field(min_length=1, max_length=200)
+    phases: list[PhaseDesign] | None = Field(default=None, max_length=12)
+    """That it begins with; None: those of the preview, stance and swing of a walk, otherwise none."""
 
 
 class TemplateVersionOut(Schema):
@@ -159,6 +167,8 @@ class TemplateVersionDetail(TemplateVersionOut):
     name: str
     side: Literal["left", "right"]
     primary_channel: str
+    is_guided: bool = True
+    """Somebody can follow it while they exercise: it has cues and stop rules. A walk is compared afterwards only."""
     reach_m: float
     """Upper arm plus forearm of the person recorded; each patient sees positions in their own size."""
     design: TemplateDesign

@@ -16,6 +16,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "template.create_not_allowed": "Only therapists can create templates.",
     "template.other_exercise": "A further version must be of the same exercise and patient as its template.",
     "template.other_patient": "This template was made for another patient.",
+    "template.not_walked": "This exercise is a walk; choose a recording of a walk.",
+    "template.other_kind": "Strides are compared with the template of a walk, and other movements with that of a"
+    " movement; choose a template of the same kind.",
     "template.by_hand": "Excluded by hand.",
     "template.no_repetition": "There is no repetition {number} in this recording.",
     "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"

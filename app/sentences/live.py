@@ -63,6 +63,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guided.wrong": "Another movement {number}",
     "guided.failed": "The guidance failed and has ended; the session goes on without it.",
     "guided.cannot": "The template does not move enough to be followed; the session goes on without guidance.",
+    "guided.after_walk": "A walk is compared with its template afterwards: nothing is counted while it goes on.",
     "guided.ended": "The exercise was ended; begin a new session.",
     "guided.pain": "Stopped by the patient: it hurts.",
     "guided.stopped": "Stopped by hand.",

@@ -33,7 +33,12 @@ from app.viewer.pose import (
     track_from_markers,
 )
 from estimators.body import BodyDimensions
-from estimators.comparison import RepetitionResult, comparison_from_bytes, template_from_bytes
+from estimators.comparison import (
+    RepetitionResult,
+    comparison_from_bytes,
+    is_of_stride,
+    template_from_bytes,
+)
 from estimators.conventions import Side
 from estimators.pipelines import SessionSetup
 
@@ -227,6 +232,9 @@ def _ghost(
     if version is None:
         return None, None
     template = template_from_bytes(version.content)
+    if is_of_stride(template.primary_channel):
+        # A foot that walks has no figure to be a ghost of.
+        return None, None
     results: tuple[RepetitionResult, ...] = ()
     if target.mode == "replay":
         stored = session.scalars(

@@ -29,8 +29,15 @@ from estimators.comparison._contract import (
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import measure_label, measure_unit, measures_beside
 from estimators.comparison._template import build_template, near, phase_curves
+from estimators.comparison.channels.feet import Stood, foot_trajectory
 from estimators.comparison.channels.mirror import mirror_template, mirror_trajectory, mirrored_name
-from estimators.comparison.channels.names import channel_label, channel_name, channel_unit
+from estimators.comparison.channels.names import (
+    channel_label,
+    channel_name,
+    channel_unit,
+    foot_channels,
+    is_of_stride,
+)
 from estimators.comparison.channels.sided import TRUNK_CHANNELS, SideChannels, side_channels
 from estimators.comparison.channels.trajectory import trajectory
 from estimators.comparison.measures.of_session import TOGETHER
@@ -48,6 +55,7 @@ __all__ = [
     "Repetition",
     "RepetitionResult",
     "SideChannels",
+    "Stood",
     "Template",
     "ToleranceCurve",
     "Trajectory",
@@ -60,6 +68,9 @@ __all__ = [
     "comparison_to_bytes",
     "difference_score",
     "find_repetitions",
+    "foot_channels",
+    "foot_trajectory",
+    "is_of_stride",
     "judge_repetitions",
     "measure_label",
     "measure_unit",

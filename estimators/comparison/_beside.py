@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from estimators.comparison._alignment import Alignment
 from estimators.comparison._contract import Measure, Repetition, Template
-from estimators.comparison._measures import BOUNDARY_SIGMA_S, SMALLEST_PATH
-from estimators.comparison._template import is_angle
+from estimators.comparison._measures import SMALLEST_PATH, bound_sigma_s
+from estimators.comparison.channels.names import channel_unit
 from estimators.comparison.measures.paths import superimpose
 from estimators.recording import Float
 from estimators.sentences import say
@@ -27,9 +27,10 @@ def beside_template(
         found.append(Measure(name, group, float(value), unit, float(uncertainty), 1))
 
     duration = repetition.end_s - repetition.start_s
+    bound_s = bound_sigma_s(template.primary_channel)
     ratio = duration / template.duration_s
     relative = np.hypot(
-        np.sqrt(2) * BOUNDARY_SIGMA_S / duration, _finite(template.duration_sd_s) / template.duration_s
+        np.sqrt(2) * bound_s / duration, _finite(template.duration_sd_s) / template.duration_s
     )
     add("duration_ratio", "timing", ratio, "1", ratio * relative)
     # A bound moved by one standard deviation shifts the phases by that share, on average half of it.
@@ -38,7 +39,7 @@ def beside_template(
         "timing",
         100 * alignment.timing_deviation,
         "%",
-        100 * 0.5 * BOUNDARY_SIGMA_S / duration,
+        100 * 0.5 * bound_s / duration,
     )
     name = f"range:{template.primary_channel}"
     extent = next((m for m in own if m.name == name), None)
@@ -102,7 +103,7 @@ def _shape_measures(aligned: Float, sigma: Float, template: Template) -> list[Me
     column = template.channels.index(primary)
     error = np.abs(difference[:, column])
     if np.isfinite(error).any():
-        unit = "rad" if is_angle(primary) else "m"
+        unit = channel_unit(primary)
         phase = int(np.nanargmax(error))
         add(f"peak_deviation:{primary}", difference[phase, column], unit, sigma[column])
         # Any phase within one sigma of the largest difference might be the true one.

@@ -47,6 +47,8 @@ def compare(
     end_s: float | None = None,
     repetitions: list[Repetition] | None = None,
     counted: list[Repetition] | None = None,
+    *,
+    is_judged: bool = False,
 ) -> ComparisonResult:
     """Compare every repetition of a session with a template.
 
@@ -67,6 +69,9 @@ def compare(
     counted : list of Repetition, optional
         When they were counted by this template while they were made: these are all that there are, and none is left out
         for being unlike the others.
+    is_judged : bool
+        The given repetitions are judged already, as the strides of an analysed walk: only what lost track is left out
+        as well.
 
     Returns
     -------
@@ -84,10 +89,10 @@ def compare(
     if template.side != side:
         template = mirror_template(template)
     found = repetitions if repetitions is not None else find_repetitions(source, side, start_s, end_s)
-    if counted is None:
-        judged = judge_repetitions(source, found, side)
-    else:
-        judged = leave_out_gaps(source, counted_repetitions(counted, found), side)
+    if counted is not None:
+        found = counted_repetitions(counted, found)
+    is_judged = is_judged or counted is not None
+    judged = (leave_out_gaps if is_judged else judge_repetitions)(source, found, side)
     comparison = Comparison(source, template, reach_m)
     results = [comparison.of(repetition) for repetition in judged]
     retained = [one for one in results if one.repetition.is_kept]

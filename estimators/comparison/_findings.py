@@ -13,20 +13,32 @@ import scipy
 
 from estimators.comparison._contract import Measure, RepetitionResult, Template
 from estimators.comparison._outside import Outside, outside_band
-from estimators.comparison.channels.names import channel_name, channel_unit, tells_movement
+from estimators.comparison.channels.feet_words import (
+    odd_strides,
+    other_pace,
+    other_range,
+    strides_left_band,
+)
+from estimators.comparison.channels.names import (
+    channel_name,
+    channel_unit,
+    is_of_stride,
+    tells_movement,
+)
 from estimators.comparison.channels.sided import is_compensation
 from estimators.sentences import CATALOGUE, Sentence, say
 
 _MOST = 3
 _CONFIDENCE = 0.975
 _LEAST_RANGE_RAD = 0.087
+_LEAST_RANGE = {"rad": _LEAST_RANGE_RAD, "m": 0.01, "m/s": 0.1}
 _LEAST_HIKE_M = 0.025
 _LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
 _OTHER_PACE = 1.45
 """Times as long or as short as in the template: so much of a single repetition is no chance."""
-"""Inside the therapist's band, differences below 5 degrees, 25 mm of a shoulder, 15 percent or 0.2 of arc length are
-not worth a word."""
+"""Inside the therapist's band, differences below 5 degrees, 25 mm of a shoulder, 1 cm or 0.1 m/s of a foot, 15 percent
+or 0.2 of arc length are not worth a word."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,9 @@ def write_findings(
     if not retained:
         return (say("findings.none_used"),)
     by_name = {measure.name: measure for measure in summary}
-    outside = {one.channel: one for one in outside_band(retained, template)}
+    is_walk = is_of_stride(template.primary_channel)
+    left_band = outside_band(retained, template)
+    outside = {} if is_walk else {one.channel: one for one in left_band}
     in_some = _in_some(retained, by_name, template)
     first = _compensation(retained, by_name, template, outside)
     found: list[tuple[float, str]] = []
@@ -73,7 +87,7 @@ def write_findings(
         sentence = write(retained, by_name, template)
         if sentence is not None:
             found.append(sentence)
-    left = _left_band(outside, template)
+    left = strides_left_band(left_band) if is_walk else _left_band(outside, template)
     if not first and not found and not left and not in_some:
         share = by_name.get("inside_band")
         if share is not None and share.value > 80:
@@ -104,7 +118,7 @@ def _in_some(
         ]
         # Slower and faster ones are two faults.
         parts = ([one for one in odd if (one[1].excess > 0) == is_more] for is_more in (True, False))
-        found.extend(_odd_ones(name, part) for part in parts if part)
+        found.extend(_odd_ones(name, part, template) for part in parts if part)
     return found
 
 
@@ -117,15 +131,18 @@ def _is_fault(name: str, difference: _Difference) -> bool:
     if name == "duration":
         return bool(abs(np.log(difference.value / difference.reference)) >= np.log(_OTHER_PACE))
     if name.startswith("range:"):
-        return -difference.excess >= max(_LEAST_RANGE_RAD, _LEAST_SHARE * difference.reference)
+        least = _LEAST_RANGE[channel_unit(name.partition(":")[2])]
+        return -difference.excess >= max(least, _LEAST_SHARE * difference.reference)
     return difference.excess >= _least(name.partition(":")[2])
 
 
-def _odd_ones(name: str, odd: Sequence[tuple[int, _Difference]]) -> Sentence:
+def _odd_ones(name: str, odd: Sequence[tuple[int, _Difference]], template: Template) -> Sentence:
     """Name the repetitions of a fault, with the largest of it."""
     which, count = [str(number) for number, _ in odd], len(odd)
     worst = max((one for _, one in odd), key=lambda one: abs(one.excess))
     channel = name.partition(":")[2]
+    if is_of_stride(template.primary_channel):
+        return odd_strides(channel, which, worst.value, worst.reference)
     if name == "duration":
         value_s, reference_s = worst.value, worst.reference
         if worst.excess > 0:
@@ -195,20 +212,22 @@ def _range(
         if channel in template.watched:
             continue
         difference = _difference(name, retained, summary, template)
-        is_primary = channel == template.primary_channel
-        if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_RANGE_RAD:
+        is_primary, least = channel == template.primary_channel, _LEAST_RANGE[channel_unit(channel)]
+        if difference is None or difference.certainty < 1 or abs(difference.excess) < least:
             continue
         if not is_primary and not tells_movement(channel):
             continue
-        if not is_primary and difference.reference < 2 * _LEAST_RANGE_RAD and difference.excess < 0:
+        if not is_primary and difference.reference < 2 * least and difference.excess < 0:
             continue
         sentence = _range_changed(channel, difference)
-        weight = abs(difference.excess) / max(difference.reference, _LEAST_RANGE_RAD)
+        weight = abs(difference.excess) / max(difference.reference, least)
         candidates.append((weight * (3.0 if is_primary else 1.0), sentence))
     return max(candidates) if candidates else None
 
 
 def _range_changed(channel: str, difference: _Difference) -> Sentence:
+    if is_of_stride(channel):
+        return other_range(channel, difference.value, difference.reference)
     if difference.excess < 0:
         return say(
             "findings.range_smaller",
@@ -331,7 +350,9 @@ def _duration(
     if abs(np.log(ratio)) < np.log(1 + _LEAST_SHARE):
         return None
     own_s, reference_s = difference.value, difference.reference
-    if ratio > 1:
+    if is_of_stride(template.primary_channel):
+        text = other_pace(own_s, reference_s)
+    elif ratio > 1:
         text = say("findings.slower", ratio=ratio, value_s=own_s, reference_s=reference_s)
     else:
         text = say("findings.faster", value_s=own_s, reference_s=reference_s)

@@ -14,7 +14,7 @@ from estimators.comparison._smoothness import (
     spectral_arc_length,
     spectral_arc_length_uncertainty,
 )
-from estimators.comparison.channels.names import channel_label, channel_unit
+from estimators.comparison.channels.names import channel_label, channel_unit, is_of_stride
 from estimators.comparison.channels.sided import SideChannels, fill_gaps, is_compensation
 from estimators.comparison.measures.of_repetition import (
     coordination_measures,
@@ -29,6 +29,8 @@ from estimators.recording import Float
 
 BOUNDARY_SIGMA_S = 0.08
 """Standard deviation of a found beginning or end, measured on simulated movements with exact truth."""
+CONTACT_SIGMA_S = 0.015
+"""Of a contact of the foot with the floor, with which strides begin and end (`gait.find_strides`)."""
 LEAN_SIGMA_RAD = 0.0087
 HIKE_SIGMA_M = 0.006
 """Standard deviation of the range of a lean or turn of the trunk and of a shoulder's rise within one repetition, where
@@ -85,6 +87,11 @@ def measures_beside(template: Template) -> tuple[str, ...]:
         return order.index(prefix + colon)
 
     return tuple(sorted((*own, *beside), key=rank))
+
+
+def bound_sigma_s(primary: str) -> float:
+    """Return the standard deviation of a beginning or end of the repetitions that a main channel is of."""
+    return CONTACT_SIGMA_S if is_of_stride(primary) else BOUNDARY_SIGMA_S
 
 
 def measure_label(name: str) -> str:
@@ -181,11 +188,14 @@ def repetition_measures(
     Returns
     -------
     list of Measure
-        Uncertainty is one standard deviation from the sensors' own uncertainty, NaN where unknown.
+        Uncertainty is one standard deviation from the sensors' own uncertainty, NaN where unknown. A stride has its
+        duration and ranges alone: it has no way out that speed and smoothness would be of.
     """
     duration = repetition.end_s - repetition.start_s
-    measures = [_single("duration", "timing", duration, "s", np.sqrt(2.0) * BOUNDARY_SIGMA_S)]
+    measures = [_single("duration", "timing", duration, "s", np.sqrt(2.0) * bound_sigma_s(primary))]
     measures.extend(_extents(arm))
+    if is_of_stride(primary):
+        return measures
     path, smoothed, sigma_m = None if turning else hand_travel(arm, side), None, float("nan")
     if path is not None:
         step_s = float(np.median(np.diff(arm.time_s)))

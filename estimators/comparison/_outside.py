@@ -2,19 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from estimators.comparison._contract import PHASES, RepetitionResult, Template
+from estimators.comparison._template import FLOOR_OF_STRIDE
+from estimators.comparison.channels.names import channel_unit, is_of_stride
 from estimators.recording import Float
 
 _CONFIDENCE = 0.975
 _OF_EXCESS = 1.28 / 2.0
 """Nine in ten of what is stated to lie beyond the band do so; of a limit of two standard deviations."""
 _LEAST_OF_PHASE = 0.25
-_LEAST_RAD, _LEAST_M = float(np.radians(1.0)), 0.005
+_LEAST_SHARE_OF_STRIDE: Final = 0.1
+"""Of the floor of a foot's band, which is narrower than that of an arm: 1 mm, 0.3 degrees, 7 mm/s."""
+_LEAST: Final = {"rad": float(np.radians(1.0)), "m": 0.005}
 """So little beyond the band is within the thickness of its line."""
 
 
@@ -29,14 +34,16 @@ class Outside:
         Repetitions outside, and all that count.
     start, end : int
         First and last phase of the template, percent, at which most repetitions are outside; where no phase is
-        shared by most, those of the mean curve.
+        shared by most, those of the mean curve. Of a stride those of the longest stretch.
     beyond : float
-        How far the mean curve is beyond the band where it is farthest, rad or m; where that is certain at any phase, of
-        those phases.
+        How far the mean curve is beyond the band where it is farthest, rad, m or m/s; where that is certain at any
+        phase, of those phases.
     is_certain : bool
         Whether it is beyond the band by more than its uncertainty, so that the distance may be stated.
     phases : tuple of str
         The therapist's names of the phases that hold a quarter or more of it.
+    is_below : bool
+        Of a stride, whose two directions stand apart: below the band, not above it.
     """
 
     channel: str
@@ -47,6 +54,7 @@ class Outside:
     beyond: float
     is_certain: bool
     phases: tuple[str, ...] = ()
+    is_below: bool = False
 
 
 def outside_band(retained: Sequence[RepetitionResult], template: Template) -> list[Outside]:
@@ -62,6 +70,7 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
     -------
     list of Outside
         In the order of the template. Positions follow from the angles: only where no angle is outside are they named.
+        A channel of strides stands there for each direction in which it leaves the band.
 
     Notes
     -----
@@ -77,43 +86,77 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
 def _leave(retained: Sequence[RepetitionResult], template: Template, *, positions: bool) -> list[Outside]:
     found = []
     for column, channel in enumerate(template.channels):
-        count = sum(bool(one.outside.get(channel)) for one in retained)
-        if ("." in channel) is not positions or 2 * count <= len(retained):
+        if ("." in channel) is not positions:
             continue
-        difference = np.stack([one.aligned[:, column] for one in retained]) - template.mean[:, column]
-        known = np.isfinite(difference).all(axis=0)
-        mean = np.where(known, difference.mean(axis=0), 0.0)
-        width = np.where(mean < 0.0, template.below[:, column], template.above[:, column])
-        known &= np.isfinite(width)
-        if not known.any():
-            continue
-        limit = _limit(retained, channel, column, difference)
-        known &= np.abs(mean) > limit
-        beyond = np.where(known, np.abs(mean) - width, -np.inf)
-        least = _LEAST_M if "." in channel or channel.endswith("_m") else _LEAST_RAD
-        certain = known & (beyond > np.maximum(least, _OF_EXCESS * limit))
-        phase = int(np.argmax(np.where(certain, beyond, -np.inf) if certain.any() else beyond))
-        if beyond[phase] <= least:
-            continue
-        often = np.zeros(len(beyond))
-        for one in retained:
-            for start, end in one.outside.get(channel, []):
-                often[start:end] += 1
-        shared = np.flatnonzero(often > len(retained) / 2)
-        phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
-        found.append(
-            Outside(
-                channel,
-                count,
-                len(retained),
-                int(phases[0]),
-                int(phases[-1]),
-                float(beyond[phase]),
-                bool(certain.any()),
-                _names(phases, template),
-            )
-        )
+        # A foot too low in swing and one too high in stance are two things; of an arm the farthest is told.
+        for direction in (-1, 1) if is_of_stride(channel) else (0,):
+            one = _left(retained, template, column, direction)
+            if one is not None:
+                found.append(one)
     return found
+
+
+def _left(
+    retained: Sequence[RepetitionResult], template: Template, column: int, direction: int
+) -> Outside | None:
+    """Return how a channel leaves its band: below it (-1), above it (1) or either way (0)."""
+    channel = template.channels[column]
+    difference = np.stack([one.aligned[:, column] for one in retained]) - template.mean[:, column]
+    runs = [
+        [
+            (start, end)
+            for start, end in one.outside.get(channel, [])
+            if direction == 0 or direction * float(np.nanmean(own[start:end])) > 0.0
+        ]
+        for one, own in zip(retained, difference, strict=True)
+    ]
+    count = sum(bool(own) for own in runs)
+    if 2 * count <= len(retained):
+        return None
+    known = np.isfinite(difference).all(axis=0)
+    mean = np.where(known, difference.mean(axis=0), 0.0)
+    width = np.where(mean < 0.0, template.below[:, column], template.above[:, column])
+    known &= np.isfinite(width) & (direction * mean >= 0.0)
+    if not known.any():
+        return None
+    limit = _limit(retained, channel, column, difference)
+    known &= np.abs(mean) > limit
+    beyond = np.where(known, np.abs(mean) - width, -np.inf)
+    least = _least(channel)
+    certain = known & (beyond > np.maximum(least, _OF_EXCESS * limit))
+    phase = int(np.argmax(np.where(certain, beyond, -np.inf) if certain.any() else beyond))
+    if beyond[phase] <= least:
+        return None
+    often = np.zeros(len(beyond))
+    for own in runs:
+        for start, end in own:
+            often[start:end] += 1
+    shared = np.flatnonzero(often > len(retained) / 2)
+    phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
+    # A stride begins where the one before ends, so what is outside about there has two parts: the longer is told.
+    told = _longest(phases) if direction else phases
+    return Outside(
+        channel,
+        count,
+        len(retained),
+        int(told[0]),
+        int(told[-1]),
+        float(beyond[phase]),
+        bool(certain.any()),
+        _names(phases, template),
+        direction < 0,
+    )
+
+
+def _longest(places: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the longest run of consecutive places."""
+    return max(np.split(places, np.flatnonzero(np.diff(places) > 1) + 1), key=len)
+
+
+def _least(channel: str) -> float:
+    if is_of_stride(channel):
+        return _LEAST_SHARE_OF_STRIDE * FLOOR_OF_STRIDE[channel_unit(channel)]
+    return _LEAST[channel_unit(channel)]
 
 
 def _names(places: NDArray[np.intp], template: Template) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from estimators.comparison._alignment import Alignment, align, apply, resample
 from estimators.comparison._contract import PHASES, Repetition, Template, Trajectory
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import hand_travels, repetition_measures, summarise
-from estimators.comparison.channels.names import channel_name, tells_movement
+from estimators.comparison.channels.names import channel_name, channel_unit, is_of_stride, tells_movement
 from estimators.comparison.channels.sided import TRUNK_CHANNELS, SideChannels, side_channels
 from estimators.comparison.measures.of_session import likeness_measures
 from estimators.errors import ComparisonError, SetupError
@@ -23,6 +23,9 @@ FLOOR_TRUNK_RAD = 0.052
 FLOOR_REACH = 0.05
 """Smallest half width of the band: what putting the sensors on anew and calibrating changes by itself
 (5 degrees in angles of a limb, 3 in trunk lean, 5 percent of the reach in positions)."""
+FLOOR_OF_STRIDE = {"rad": 0.052, "m": 0.01, "m/s": 0.07}
+"""The same of a foot that walks. A sensor put on a centimetre further back is lifted and carried along by that much
+more where the foot is upright or turns by 7 rad/s; its tilt is found anew from the walk, within 3 degrees."""
 _SPREAD_WINDOW = 11
 
 
@@ -130,7 +133,7 @@ def phase_curves(cut: SideChannels) -> Float:
 
 def is_angle(channel: str) -> bool:
     """Tell whether a channel is an angle, that is, known only up to whole turns."""
-    return "." not in channel and not channel.endswith("_m")
+    return channel_unit(channel) == "rad"
 
 
 def near(curves: Float, reference: Float, channels: tuple[str, ...]) -> Float:
@@ -182,7 +185,7 @@ def _extent(curves: Float) -> tuple[Float, Float]:
 
 def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Float]:
     """Mean and spread over repetitions after alignment, on the mean pace, each shape (101, C)."""
-    unit = np.tile([FLOOR_REACH if "." in name else FLOOR_LIMB_RAD for name in channels], (PHASES, 1))
+    unit = np.tile([_unit_of_difference(name) for name in channels], (PHASES, 1))
     scale = alignment_scale(channels, unit)
     if not np.isfinite(scale).any():
         scale = unit[0]
@@ -207,6 +210,13 @@ def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Flo
     return resample_at(pace, mean, phase), resample_at(pace, spread, phase)
 
 
+def _unit_of_difference(channel: str) -> float:
+    """Return what is one unit of difference where no band is known yet."""
+    if is_of_stride(channel):
+        return FLOOR_OF_STRIDE[channel_unit(channel)]
+    return FLOOR_REACH if "." in channel else FLOOR_LIMB_RAD
+
+
 def apply_phase(alignments: list[Alignment]) -> Float:
     """Mean own phase of the repetitions at each phase of the reference, shape (101,)."""
     phase = np.arange(PHASES, dtype=np.float64)[:, None]
@@ -227,9 +237,12 @@ def resample_at(position: Float, values: Float, target: Float) -> Float:
 
 def _floor(channel: str, arm: SideChannels, reach_m: float) -> float:
     """Smallest half width of the band of a channel."""
-    if "." in channel or channel.endswith("_m"):
+    if is_of_stride(channel):
+        least = FLOOR_OF_STRIDE[channel_unit(channel)]
+    elif "." in channel or channel.endswith("_m"):
         return FLOOR_REACH * reach_m
-    least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_LIMB_RAD
+    else:
+        least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_LIMB_RAD
     sigma = arm.sigma[:, arm.channels.index(channel)]
     sigma = sigma[np.isfinite(sigma)]
     two_sided = float(scipy.stats.t.ppf(0.5 + COVERAGE / 2, 1e6))

@@ -17,6 +17,7 @@ from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracke
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_in_one_world
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
+from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Footholds, Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
@@ -53,6 +54,7 @@ __all__ = [
     "RelativeFeet",
     "Stance",
     "Steps",
+    "StrideFlag",
     "Strides",
     "average_path",
     "find_stance",

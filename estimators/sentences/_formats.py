@@ -43,6 +43,7 @@ UNITS: Final[dict[str, Unit]] = {
     "mm": Unit(1e3, " mm", 0),
     "deg": Unit(180.0 / math.pi, "°", 0),
     "degps": Unit(180.0 / math.pi, " °/s", 0),
+    "mps": Unit(1.0, " m/s", 2),
     "mps2": Unit(1.0, " m/s²", 1),
     "ut": Unit(1e6, " µT", 0),
     "percent": Unit(1e2, " %", 0),

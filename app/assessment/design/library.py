@@ -25,6 +25,7 @@ from app.sentences import say
 from estimators.comparison import (
     Template,
     channel_label,
+    is_of_stride,
     mirror_template,
     mirrored_name,
     template_from_bytes,
@@ -81,12 +82,13 @@ def copy(
         raise InvalidInput(say("template.other_patient"), field="patient_id")
     recorded, design = template_from_bytes(version.content), design_of(version)
     own = session.get_one(Exercise, source.exercise_id)
-    exercise = (
-        _across(session, subject, own)
-        if wanted.exercise_id is None
-        else repository.exercise_of(session, subject, wanted.exercise_id)
-    )
-    if exercise.side != recorded.side:
+    is_walk = is_of_stride(recorded.primary_channel)
+    if wanted.exercise_id is not None:
+        exercise = repository.exercise_of(session, subject, wanted.exercise_id)
+    else:
+        # A walk is of both feet: the other foot is one of the same exercise.
+        exercise = own if is_walk else _across(session, subject, own)
+    if wanted.exercise_id is None if is_walk else exercise.side != recorded.side:
         recorded, design = mirror_template(recorded), mirrored_design(design, recorded)
     made = TemplateVersion(
         source_session_id=version.source_session_id,
@@ -108,7 +110,9 @@ def copy(
 
 
 def _led_by(recorded: Template, exercise: Exercise) -> Template:
-    """Return the template with the main angle of an exercise."""
+    """Return the template with the main angle of an exercise; that of a walk leads itself."""
+    if not exercise.primary_angle and is_of_stride(recorded.primary_channel):
+        return recorded
     if exercise.primary_angle not in recorded.channels:
         name = channel_label(exercise.primary_angle)
         raise InvalidInput(say("template.other_angle", name=name), field="exercise_id")

@@ -12,8 +12,10 @@ from app.assessment.practice import zone_of
 from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.models import Patient
+from app.recordings.analysis.kinds import kind_of
 from app.recordings.models import MotionSession
 from estimators.conventions import Side
+from estimators.errors import SetupError
 from estimators.leg import lower_segment
 from estimators.pipelines import SessionSetup
 
@@ -33,6 +35,10 @@ class PrescribedGuidance:
     dose: Dose
 
 
+class NotGuided(SetupError):
+    """What is prescribed is compared with its template afterwards; the message says so, for people."""
+
+
 def prescribed_guidance(session: Session, session_id: str, default_zone: str) -> PrescribedGuidance | None:
     """Return what a session is guided by; None without a prescription that has a template.
 
@@ -48,7 +54,7 @@ def prescribed_guidance(session: Session, session_id: str, default_zone: str) ->
     Raises
     ------
     SetupError
-        If the template does not move enough to be followed.
+        If the template does not move enough to be followed; `NotGuided` where this kind of session is not guided.
     """
     found = session.get(MotionSession, session_id)
     version_id = None if found is None else prescribed_version(session, found)
@@ -57,6 +63,8 @@ def prescribed_guidance(session: Session, session_id: str, default_zone: str) ->
     version = session.get_one(TemplateVersion, version_id)
     prescription = session.get_one(Prescription, found.prescription_id)
     setup = SessionSetup.from_dict(found.setup)
+    if refused := kind_of(setup).guidance_refused:
+        raise NotGuided(refused)
     guidance = guidance_of(
         version,
         exercise_side(session, found, frozenset(setup.placements)),
@@ -105,4 +113,4 @@ def exercise_side(session: Session, found: MotionSession, measured: frozenset[st
     return side
 
 
-__all__ = ["PrescribedGuidance", "exercise_side", "prescribed_guidance", "prescribed_version"]
+__all__ = ["NotGuided", "PrescribedGuidance", "exercise_side", "prescribed_guidance", "prescribed_version"]

@@ -1,18 +1,21 @@
 """Templates from a recorded session: cut, judged, averaged; previewed first, then saved."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
+from app.assessment.design.compiled import apply_design
+from app.assessment.design.rules import side_of
 from app.assessment.design.shown import version_detail
 from app.assessment.design.weighted import offered_measures
-from app.assessment.presentation import phase_curves_out, repetition_out
+from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
 from app.assessment.sources import Source, load_source
 from app.errors import InvalidInput
+from app.exercises.design import PhaseDesign, TemplateDesign
 from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.schemas import (
     TemplateContent,
@@ -20,7 +23,9 @@ from app.exercises.schemas import (
     TemplatePreviewIn,
     TemplateVersionDetail,
 )
+from app.patients.models import Patient
 from app.recordings import repository as recordings
+from app.recordings.compared import Cycles
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators.comparison import (
@@ -28,13 +33,12 @@ from estimators.comparison import (
     SideChannels,
     Template,
     build_template,
-    find_repetitions,
-    judge_repetitions,
     near,
     phase_curves,
     side_channels,
     template_to_bytes,
 )
+from estimators.conventions import Side
 from estimators.errors import EstimationError
 from estimators.recording import Float
 from estimators.sentences import for_json
@@ -44,11 +48,25 @@ BY_HAND = say("template.by_hand")
 
 @dataclass(frozen=True)
 class Built:
-    """A template with every repetition that was found, accepted or not."""
+    """A template with every repetition that was found, accepted or not.
+
+    Attributes
+    ----------
+    template : Template
+        With the phases and channels to watch that it begins with.
+    repetitions : list of Repetition
+    curves : list of ndarray, shape (101, C)
+    design : TemplateDesign
+        What it begins with.
+    sides : tuple of str
+        To choose from, of a movement of both sides.
+    """
 
     template: Template
     repetitions: list[Repetition]
     curves: list[Float]
+    design: TemplateDesign = field(default_factory=TemplateDesign)
+    sides: tuple[Side, ...] = ()
 
 
 def build(
@@ -72,11 +90,10 @@ def build(
         Too few repetitions, or a channel that was not measured: the message says what to do.
     """
     try:
-        found = find_repetitions(source.moved, side, source.start_s, source.end_s)
-        unknown = set(dropped or ()) - {repetition.number for repetition in found}
+        judged = source.judged(side)
+        unknown = set(dropped or ()) - {repetition.number for repetition in judged}
         if unknown:
             raise InvalidInput(say("template.no_repetition", number=min(unknown)), field="dropped")
-        judged = judge_repetitions(source.moved, found, side)
         if dropped is not None:
             judged = [_decided(r, is_kept=r.number not in dropped) for r in judged]
         template = build_template(
@@ -86,7 +103,7 @@ def build(
             source.reach_m,
             primary_channel,
             tolerance_scale,
-            judge=dropped is None,
+            judge=dropped is None and source.cycles is None,
         )
     except EstimationError as error:
         raise InvalidInput(error.message) from error
@@ -120,7 +137,7 @@ def prepare(
     # First of all the right to the recording: a stranger learns nothing about anything else.
     recordings.get_session(session, subject, wanted.session_id, "treat", action="")
     exercise = repository.exercise_of(session, subject, wanted.exercise_id)
-    found, result, built = _build_from(session, subject, wanted, exercise)
+    found, result, built = _build_from(session, subject, wanted, exercise, wanted.phases)
     version = TemplateVersion(
         source_session_id=found.id,
         source_result_id=result.id,
@@ -129,6 +146,7 @@ def prepare(
         ],
         tolerance_scale=dict(wanted.tolerance_scale),
         content=template_to_bytes(built.template),
+        design=built.design.model_dump(mode="json"),
     )
     return version, content_of(built)
 
@@ -153,15 +171,43 @@ def store(
 
 
 def _build_from(
-    session: Session, subject: Subject, wanted: TemplatePreviewIn, exercise: Exercise | None
+    session: Session,
+    subject: Subject,
+    wanted: TemplatePreviewIn,
+    exercise: Exercise | None,
+    phases: Sequence[PhaseDesign] | None = None,
 ) -> tuple[MotionSession, Result, Built]:
     found = recordings.get_session(session, subject, wanted.session_id, "treat", action="template.preview")
     result = recordings.result_of(session, found, wanted.result_id)
     if exercise is None and found.exercise_id is not None:
         exercise = session.get(Exercise, found.exercise_id)
     source = load_source(session, found, result)
+    if source.cycles is not None:
+        patient = session.get_one(Patient, found.patient_id)
+        side = wanted.side or source.acting_side("right", patient.affected_side)
+        cycles = source.cycles.get("left" if side == "left" else "right")
+        if cycles is None:
+            raise InvalidInput(say("compare.side_not_measured", side=side), field="side")
+        # An exercise that is judged by an angle finds none in strides, and says so.
+        main = (exercise.primary_angle if exercise is not None else "") or cycles.main_channel
+        built = build(source, side, main, wanted.dropped, wanted.tolerance_scale)
+        return found, result, _begun(built, cycles, phases, tuple(source.cycles))
     side, primary = _what_moved(source) if exercise is None else (exercise.side, exercise.primary_angle)
+    if not primary:
+        raise InvalidInput(say("template.not_walked"), field="session_id")
     return found, result, build(source, side, primary, wanted.dropped, wanted.tolerance_scale)
+
+
+def _begun(
+    built: Built, cycles: Cycles, phases: Sequence[PhaseDesign] | None, sides: tuple[Side, ...]
+) -> Built:
+    """Return a template with the phases and the channels to watch that it begins with."""
+    known = [PhaseDesign(name=one.name, start=one.start, end=one.end) for one in cycles.phases]
+    design = TemplateDesign(
+        phases=known if phases is None else list(phases),
+        watched=[name for name in cycles.watched if name in built.template.channels],
+    )
+    return replace(built, template=apply_design(built.template, design), design=design, sides=sides)
 
 
 def _what_moved(source: Source) -> tuple[str, str]:
@@ -185,8 +231,11 @@ def content_of(built: Built) -> TemplateContent:
     return TemplateContent(
         duration_s=built.template.duration_s,
         repetitions=[repetition_out(repetition) for repetition in built.repetitions],
+        phases=phases_out(built.template),
         curves=phase_curves_out(built.template, built.curves),
         measures=offered_measures(built.template),
+        side=side_of(built.template.side),
+        sides=list(built.sides),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Final
 from app.errors import InvalidInput
 from app.exercises.design import CueDesign, StopDesign, TemplateDesign
 from app.sentences import say
-from estimators.comparison import Template
+from estimators.comparison import Template, is_of_stride
 from estimators.conventions import Side
 from estimators.errors import SetupError
 from estimators.guidance import (
@@ -46,6 +46,9 @@ def stop_rules(stops: Sequence[StopDesign] | None) -> tuple[StopRule, ...]:
 
 def whole_design(design: TemplateDesign, template: Template) -> TemplateDesign:
     """Return a design with the rules of the house written out, for whoever edits them."""
+    if is_of_stride(template.primary_channel):
+        # Nobody follows a stride live: there is nothing to stop and nothing to say.
+        return design.model_copy(update={"stops": [], "cues": []})
     stops = [StopDesign(**asdict(rule)) for rule in stop_rules(design.stops)]
     if design.cues is not None:
         return design.model_copy(update={"stops": stops})

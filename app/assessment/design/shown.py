@@ -11,7 +11,7 @@ from app.assessment.design.compiled import design_of, drawn_template
 from app.assessment.design.rules import side_of, whole_design
 from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
-from app.assessment.sources import load_source
+from app.assessment.sources import Source, load_source
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Template as TemplateRow
 from app.exercises.models import TemplateVersion
@@ -22,6 +22,8 @@ from app.sentences import CATALOGUE
 from estimators.comparison import (
     Repetition,
     Template,
+    is_of_stride,
+    mirrored_name,
     near,
     phase_curves,
     side_channels,
@@ -77,6 +79,7 @@ def detail_of(
         phases=phases_out(stored),
         curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
         measures=offered_measures(stored),
+        side=side_of(stored.side),
     )
     return version_detail(session, template, version, content)
 
@@ -91,23 +94,35 @@ def _repetition_curves(
     try:
         found = recordings.get_session(session, subject, version.source_session_id, action="")
         result = recordings.result_of(session, found, version.source_result_id)
-        arm = side_channels(load_source(session, found, result).moved, template.side)
+        source = load_source(session, found, result)
+        side = _recorded_side(source, repetitions, template.side)
+        arm = side_channels(source.moved, side)
     except (NotFound, NotAllowed, InvalidInput, EstimationError):
         # The recording was deleted or is not this subject's to see; the template stands by itself.
         return []
-    index = [arm.channels.index(name) if name in arm.channels else -1 for name in template.channels]
+    wanted = [name if side == template.side else mirrored_name(name) for name in template.channels]
+    index = [arm.channels.index(name) if name in arm.channels else -1 for name in wanted]
     curves = []
     for repetition in repetitions:
         cut = arm.cut(repetition)
         curve = np.full(template.mean.shape, np.nan)
         if len(cut.time_s) >= 2:
             measured = phase_curves(cut)
-            for column, source in enumerate(index):
-                if source >= 0:
-                    curve[:, column] = measured[:, source]
+            for column, place in enumerate(index):
+                if place >= 0:
+                    curve[:, column] = measured[:, place]
             curve = near(curve, template.mean, template.channels)
         curves.append(curve)
     return curves
+
+
+def _recorded_side(source: Source, repetitions: list[Repetition], side: str) -> str:
+    """Return of which foot the strides of a template were; those of a copy for the other foot keep theirs."""
+    begun = {round(one.start_s, 3) for one in repetitions}
+    for own, cycles in (source.cycles or {}).items():
+        if begun & {round(one.start_s, 3) for one in cycles.repetitions}:
+            return own
+    return side
 
 
 def version_out(version: TemplateVersion, names: Mapping[str, str]) -> TemplateVersionOut:
@@ -136,6 +151,7 @@ def version_detail(
         name=template.name,
         side=side_of(recorded.side),
         primary_channel=recorded.primary_channel,
+        is_guided=not is_of_stride(recorded.primary_channel),
         reach_m=recorded.reach_m,
         design=whole_design(design_of(version), recorded),
         content=content,

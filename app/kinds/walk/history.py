@@ -173,7 +173,7 @@ def walk_content(session: Session, found: MotionSession) -> WalkContent | None:
     """Return the walk of a session's main result; None where it is none, or not analysed. Access was checked."""
     if found.setup["pipeline"] != PIPELINE or found.main_result_id is None:
         return None
-    return _stored_walk(session, found.id, found.main_result_id)
+    return stored_walk(session, found.id, found.main_result_id)
 
 
 def any_walk(session: Session, found: MotionSession) -> WalkContent | None:
@@ -185,11 +185,12 @@ def any_walk(session: Session, found: MotionSession) -> WalkContent | None:
     beside = repository.results_of(session, found.id) if content is None else []
     for result in reversed(beside):
         if result.pipeline == PIPELINE and content is None:
-            content = _stored_walk(session, found.id, result.id)
+            content = stored_walk(session, found.id, result.id)
     return content
 
 
-def _stored_walk(session: Session, session_id: str, result_id: str) -> WalkContent | None:
+def stored_walk(session: Session, session_id: str, result_id: str) -> WalkContent | None:
+    """Return the walk of a result; None where it has none. Access was checked."""
     row = session.scalar(
         select(SignalChunk).where(
             SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result_id)
@@ -206,4 +207,4 @@ def _plain(value: float) -> float | None:
     return value if value == value else None
 
 
-__all__ = ["any_walk", "changes_between", "compare", "walk_content", "walks_of"]
+__all__ = ["any_walk", "changes_between", "compare", "stored_walk", "walk_content", "walks_of"]

@@ -7,11 +7,14 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from app.kinds.walk.analysis import follow_feet
+from app.kinds.walk.compared import walk_source
 from app.kinds.walk.shoes import store_shoes
 from app.readers import as_feet
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, StoredSession
 from app.recordings.analysis.still import still
+from app.recordings.compared import Source
+from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators import pipelines
 from estimators.conventions import SHOE_PLACEMENTS
@@ -27,12 +30,17 @@ class WalkKind(SessionKind):
     view = "feet"
     calibration_refused = say("live.walk_uncalibrated")
     estimator_refused = say("walk.one_estimator")
+    guidance_refused = say("guided.after_walk")
 
     def analyse(self, wanted: Wanted) -> Analysis:
         """Follow the feet over the whole walk, with forces and centre of mass where they were measured."""
         context, setup = wanted.context, wanted.setup
         context.progress(wanted.progress_from, say("progress.reading_walk"))
         return follow_feet(context, setup, StoredSession(context, setup), wanted.progress_from)
+
+    def compared(self, session: Session, found: MotionSession, result: Result) -> Source:
+        """Take each stride as a repetition."""
+        return walk_source(session, found, result)
 
     def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
         """Store the load cells of instrumented shoes; the feet remain."""

@@ -73,6 +73,8 @@ class StrideOut(Schema):
     """Steady and straight: in the means."""
     is_initiation: bool
     is_termination: bool
+    flags: int | None = None
+    """Bits of `estimators.gait.StrideFlag`, why it is in no mean; None of walks stored before this was recorded."""
 
 
 class CycleCurve(Schema):

@@ -264,7 +264,7 @@ def _stride(strides: Strides, k: int, is_counted: bool) -> StrideOut:
     plain: dict[str, Any] = {
         name: _plain(getattr(strides, name)[k])
         for name in StrideOut.model_fields
-        if name not in {"number", "is_counted", "is_initiation", "is_termination", "bout"}
+        if name not in {"number", "is_counted", "is_initiation", "is_termination", "bout", "flags"}
     }
     return StrideOut(
         number=k + 1,
@@ -272,6 +272,7 @@ def _stride(strides: Strides, k: int, is_counted: bool) -> StrideOut:
         is_counted=is_counted,
         is_initiation=bool(strides.is_initiation[k]),
         is_termination=bool(strides.is_termination[k]),
+        flags=int(strides.flags[k]),
         **plain,
     )
 

@@ -60,6 +60,8 @@ class GuidanceDesk:
         Takes what the live socket sends.
     trouble : str
         Why the template cannot be followed; empty where it can.
+    notice : str
+        Why nothing is followed though a template is prescribed, and that is as it should be; empty otherwise.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class GuidanceDesk:
         publish: Callable[[GuidanceMessage], None],
         *,
         trouble: str = "",
+        notice: str = "",
     ) -> None:
         self._add_event, self._publish = add_event, publish
         self._counts = taken_up.counts.model_copy()
@@ -97,6 +100,8 @@ class GuidanceDesk:
         self.message = self._told(None)
         if trouble:
             add_event("guidance_failed", self._time_s, text=trouble)
+        if notice:
+            add_event("guidance_off", self._time_s, text=notice)
 
     @property
     def is_following(self) -> bool:

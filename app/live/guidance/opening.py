@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Engine
 
+from app.assessment.design.prescribed import NotGuided
 from app.live.bus import Bus, topic
 from app.live.guidance.desk import GuidanceDesk
 from app.live.guidance.taken_up import read_guidance, taken_up
@@ -25,7 +26,8 @@ def guide_session(
 ) -> None:
     """Give a session its guidance; blocks, so call it in a thread, before the session has frames.
 
-    A template that cannot be followed leaves a word on the time line, and a session that goes on without it.
+    A template that cannot be followed leaves a word on the time line, and a session that goes on without it. So does
+    one of a kind of session that is compared with its template afterwards only; that is no failure.
 
     Parameters
     ----------
@@ -41,11 +43,13 @@ def guide_session(
     before = taken_up(engine, session.id) if streamed is None else streamed.guided
     is_prescribed = streamed is None or streamed.is_prescribed
     prescribed = None
-    trouble = ""
+    trouble = notice = ""
     try:
         prescribed = read_guidance(engine, session.id, default_zone) if is_prescribed else None
         if prescribed is not None:
             Guide.prepare()
+    except NotGuided as refused:
+        notice = refused.message
     except EstimationError as error:
         logger.warning("session %s cannot be guided: %s", session.id, error)
         trouble = say("guided.cannot")
@@ -56,4 +60,5 @@ def guide_session(
         session.add_event,
         partial(bus.publish, topic(session.id, "guidance")),
         trouble=trouble,
+        notice=notice,
     )

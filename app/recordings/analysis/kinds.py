@@ -24,7 +24,8 @@ from app.recordings.analysis.curve import Series
 from app.recordings.analysis.heading_line import HeadingReset
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.offline import Analysis
-from app.recordings.models import MotionSession
+from app.recordings.compared import Source, body_source
+from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import SessionIn
 from app.sentences import say
 from estimators.orientation import DEFAULT
@@ -71,6 +72,8 @@ class SessionKind(ABC):
     """Why a guided calibration makes no sense; empty where it does."""
     estimator_refused: ClassVar[str] = ""
     """Why it is not estimated with other orientation estimators; empty where it is."""
+    guidance_refused: ClassVar[str] = ""
+    """Why nobody can be guided by a template while it goes on; empty where somebody can."""
     live_frames_hz: ClassVar[float | None] = None
     """How many live frames a second are stored at least; None for all. Few are enough where the analysis finds
     everything again from the packets and no column tells of a single tick, as a pulse or a contact does."""
@@ -82,6 +85,16 @@ class SessionKind(ABC):
     @abstractmethod
     def analyse(self, wanted: Wanted) -> Analysis:
         """Estimate a stored session as a new result."""
+
+    def compared(self, session: Session, found: MotionSession, result: Result) -> Source:
+        """Return what of a result is compared with a template; access was checked.
+
+        Raises
+        ------
+        InvalidInput
+            The result holds nothing to compare.
+        """
+        return body_source(session, found, result)
 
     def closed(self, context: JobContext, setup: SessionSetup) -> None:  # noqa: B027 - most kinds hold nothing else
         """Analyse what else a session holds that was closed and analysed; by default nothing."""

@@ -84,6 +84,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     },
     "findings.range_larger": "{channel:channel}: Der Umfang war um {difference_rad:deg} größer als in der"
     " Vorlage ({value_rad:deg} gegenüber {reference_rad:deg}).",
+    "findings.range_less": "{channel:channel}: Der Umfang war um {difference} kleiner als in der Vorlage ({value}"
+    " gegenüber {reference}).",
+    "findings.range_more": "{channel:channel}: Der Umfang war um {difference} größer als in der Vorlage ({value}"
+    " gegenüber {reference}).",
     "findings.range_smaller": "{channel:channel}: Der Umfang war um {difference_rad:deg} kleiner als in der"
     " Vorlage ({value_rad:deg} gegenüber {reference_rad:deg}).",
     "findings.shoulder_rose": "Ausweichbewegung: Die Schulter hob sich {more_m:cm} mehr als in der Vorlage.",
@@ -113,12 +117,46 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Wiederholungen {repetitions:and} waren kleiner als in der Vorlage: {channel:channel} bis hinab zu"
         " {value_rad:deg} gegenüber {reference_rad:deg}.",
     },
+    "findings.some_strides_faster": {
+        "one": "Doppelschritt {strides:and} dauerte nur {value_s:s.1} gegenüber {reference_s:s.1} in der Vorlage.",
+        "other": "Doppelschritte {strides:and} waren schneller als in der Vorlage: bis hinab zu {value_s:s.1}"
+        " gegenüber {reference_s:s.1}.",
+    },
+    "findings.some_strides_less": {
+        "one": "Doppelschritt {strides:and} war kleiner als in der Vorlage: {channel:channel} {value} gegenüber"
+        " {reference}.",
+        "other": "Doppelschritte {strides:and} waren kleiner als in der Vorlage: {channel:channel} bis hinab zu"
+        " {value} gegenüber {reference}.",
+    },
+    "findings.some_strides_slower": {
+        "one": "Doppelschritt {strides:and} dauerte {value_s:s.1} gegenüber {reference_s:s.1} in der Vorlage.",
+        "other": "Doppelschritte {strides:and} dauerten bis zu {value_s:s.1} gegenüber {reference_s:s.1} in der"
+        " Vorlage.",
+    },
+    "findings.stride_outside": {
+        "one": "{what}: außerhalb des Bandes zwischen {start:points} und {end:percent} des Doppelschritts.",
+        "other": "{what}: in {outside:number} von {count:number} Doppelschritten außerhalb des Bandes, meist zwischen"
+        " {start:points} und {end:percent} des Doppelschritts.",
+    },
+    "findings.strides_faster": "Jeder Doppelschritt war schneller als in der Vorlage ({value_s:s.1} gegenüber"
+    " {reference_s:s.1}).",
+    "findings.strides_slower": "Jeder Doppelschritt dauerte {ratio:number.1}-mal so lange wie in der Vorlage"
+    " ({value_s:s.1} gegenüber {reference_s:s.1}).",
     "findings.some_trunk": {
         "one": "Ausweichbewegung in Wiederholung {repetitions:and}: {channel:channel} {more_rad:deg} mehr als in"
         " der Vorlage.",
         "other": "Ausweichbewegung in den Wiederholungen {repetitions:and}: {channel:channel} bis zu {more_rad:deg}"
         " mehr als in der Vorlage.",
     },
+    "foot.faster": "Der Fuß ging schneller vorwärts als in der Vorlage",
+    "foot.higher": "Der Fuß wurde mehr gehoben als in der Vorlage",
+    "foot.lower": "Der Fuß wurde weniger gehoben als in der Vorlage",
+    "foot.slower": "Der Fuß ging langsamer vorwärts als in der Vorlage",
+    "foot.toes_higher": "Die Zehen zeigten weiter nach oben als in der Vorlage",
+    "foot.toes_lower": "Die Zehen zeigten weiter nach unten als in der Vorlage",
+    "size.angle": "{value_rad:deg}",
+    "size.length": "{value_m:cm.1}",
+    "size.speed": "{value_mps:mps}",
     "findings.trunk_leaned_forward": "Ausweichbewegung: Der Rumpf neigte sich {more_rad:deg} mehr als in der"
     " Vorlage, vor und zurück.",
     "findings.trunk_leaned_sideways": "Ausweichbewegung: Der Rumpf neigte sich {more_rad:deg} mehr als in der"

@@ -92,6 +92,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guide_t_pose.summary": "Wie die Stehhaltung, mit zur Seite gestreckten Armen; braucht funktionierende"
     " Kompasse.",
     "guide_t_pose.title": "T-Haltung",
+    "guided.after_walk": "Ein Gang wird erst danach mit seiner Vorlage verglichen: Währenddessen wird nichts gezählt.",
     "guided.attempt_count": "Ein Satz ist beendet: Die in der Therapie festgelegte Zahl der Versuche ist"
     " erreicht.",
     "guided.cannot": "Die Vorlage bewegt sich zu wenig, um ihr zu folgen; die Sitzung läuft ohne Anleitung"

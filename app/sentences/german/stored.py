@@ -71,6 +71,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " ihrer Winkel.",
     "template.other_exercise": "Eine weitere Version muss zu derselben Übung und derselben Person gehören wie"
     " ihre Vorlage.",
+    "template.not_walked": "Diese Übung ist ein Gang; wählen Sie die Aufzeichnung eines Gangs.",
+    "template.other_kind": "Doppelschritte werden mit der Vorlage eines Gangs verglichen, andere Bewegungen mit der"
+    " einer Bewegung; wählen Sie eine Vorlage derselben Art.",
     "template.other_patient": "Diese Vorlage wurde für eine andere Person gemacht.",
     "template.retired": "„{name}“ ist zurückgezogen; bieten Sie sie unter Vorlagen wieder an, oder wählen Sie"
     " eine andere.",

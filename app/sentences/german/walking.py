@@ -42,6 +42,13 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Sie mindestens vier Doppelschritte.",
     "walk.no_stride": "Fuß {side:side}: Es wurde kein Doppelschritt gefunden. Er stand nie zwischen seinen"
     " Bewegungen, oder er verließ nie den Boden.",
+    "stride.aloft": "Der Fuß war zu lange in Bewegung, ohne zu stehen; sein Weg ist nicht bekannt.",
+    "stride.last": "Der letzte Doppelschritt vor dem Stehenbleiben.",
+    "stride.long": "Viel länger als die Doppelschritte ringsum: ein Halt oder ein Stand, der nicht gefunden wurde.",
+    "stride.missing": "In oder neben diesem Doppelschritt fehlen Messwerte.",
+    "stride.sideways": "Ein Schritt zur Seite oder zurück.",
+    "stride.turning": "In einer Kurve gegangen.",
+    "stride.unsteady": "Nicht gleichmäßig oder nicht geradeaus.",
     "walk.no_strides": "Dieses Ergebnis hat keine Doppelschritte: Ein Live-Ergebnis hat keine, und eine"
     " Auswertung läuft vielleicht noch.",
     "walk.no_turn": "Es wurde keine Wendung gefunden.",

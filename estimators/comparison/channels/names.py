@@ -30,6 +30,19 @@ _CHANNEL_NAMES: Final = {
 }
 
 
+_FOOT: Final = re.compile(r"(foot_(?:pitch|height|speed))_(?:left|right)_(?:rad|m|mps)")
+
+
+def foot_channels(side: str) -> tuple[str, str, str]:
+    """Return the names of pitch, height and forward speed of a foot that walks; see `foot_trajectory`."""
+    return f"foot_pitch_{side}_rad", f"foot_height_{side}_m", f"foot_speed_{side}_mps"
+
+
+def is_of_stride(channel: str) -> bool:
+    """Tell whether a channel is one of a foot over its strides: cycles that begin and end on the floor."""
+    return _FOOT.fullmatch(channel) is not None
+
+
 def channel_name(channel: str) -> str:
     """Return what sentences call a channel, without the side: `elbow_flexion` has the words `channel.elbow_flexion`.
 
@@ -43,6 +56,8 @@ def channel_name(channel: str) -> str:
         return f"{point.split('_')[0]}_{axis}"
     if channel.startswith("shoulder_hike"):
         return "shoulder_hike"
+    if is_of_stride(channel):
+        return channel[: channel.index("_", len("foot_"))]
     if channel in _CHANNEL_NAMES:
         return _CHANNEL_NAMES[channel]
     found = re.fullmatch(r"(\w+?_\w+?)_(left|right)_[xyz]{3}_(\w+)", channel)
@@ -62,7 +77,9 @@ def channel_label(channel: str) -> str:
 
 
 def channel_unit(channel: str) -> str:
-    """Return `m` for positions and hikes, `rad` for everything else that is compared."""
+    """Return `m` for positions, heights and hikes, `m/s` for speeds, `rad` for everything else that is compared."""
+    if channel.endswith("_mps"):
+        return "m/s"
     return "m" if "." in channel or channel.endswith("_m") else "rad"
 
 
@@ -76,9 +93,9 @@ def tells_movement(channel: str) -> bool:
     """Tell whether a channel is an angle that shows how a limb moves.
 
     Not so angles with a singularity at rest, those of the wrist, and what a joint hardly does: these are measured and
-    judged, but do not say how far a movement has come.
+    judged, but do not say how far a movement has come. All channels of a stride do.
     """
-    return _TELLING.fullmatch(channel) is not None
+    return _TELLING.fullmatch(channel) is not None or is_of_stride(channel)
 
 
-__all__ = ["channel_label", "channel_name", "channel_unit", "tells_movement"]
+__all__ = ["channel_label", "channel_name", "channel_unit", "foot_channels", "is_of_stride", "tells_movement"]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.comparison._contract import Repetition, Trajectory
 from estimators.comparison.channels.mirror import check_side
+from estimators.comparison.channels.names import foot_channels
 from estimators.comparison.measures.places import ARM_POINTS
 from estimators.errors import ComparisonError
 from estimators.recording import Float
@@ -25,7 +26,8 @@ class SideChannels:
     Attributes
     ----------
     channels : tuple of str
-        Joint angles of the side, trunk scalars and hikes, then elbow, wrist and hand as `<point>.x|y|z`.
+        Joint angles of the side, trunk scalars, hikes and channels of strides, then elbow, wrist and hand as
+        `<point>.x|y|z`.
     values, sigma : ndarray, shape (N, C)
         Angles and leans in rad. Positions in m relative to the shoulder of the same side, times
         `reach_to / reach_from`, so that people of different size can be laid on each other. NaN where
@@ -75,7 +77,8 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
     sigma: list[Float] = []
     for name in source.channels:
         is_angle = f"_{side}_" in name and not name.endswith(("_mps", "_m", "_lean_forward_rad"))
-        if is_angle or name in TRUNK_CHANNELS or name == f"shoulder_hike_{side}_m":
+        is_own = is_angle or name == f"shoulder_hike_{side}_m" or name in foot_channels(side)
+        if is_own or name in TRUNK_CHANNELS:
             names.append(name)
             values.append(masked[:, index[name]])
             sigma.append(source.sigma[:, index[name]])

@@ -19,6 +19,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " ({value_rad:deg} against {reference_rad:deg}).",
     "findings.range_larger": "{channel:channel} range was {difference_rad:deg} larger than in the template"
     " ({value_rad:deg} against {reference_rad:deg}).",
+    "findings.range_less": "{channel:channel} range was {difference} smaller than in the template ({value} against"
+    " {reference}).",
+    "findings.range_more": "{channel:channel} range was {difference} larger than in the template ({value} against"
+    " {reference}).",
+    "size.angle": "{value_rad:deg}",
+    "size.length": "{value_m:cm.1}",
+    "size.speed": "{value_mps:mps}",
     "findings.trunk_leaned_forward": "Compensation: the trunk leaned {more_rad:deg} more than in the template, forward"
     " and back.",
     "findings.trunk_leaned_sideways": "Compensation: the trunk leaned {more_rad:deg} more than in the template, to the"
@@ -41,6 +48,34 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "Repetitions {repetitions:and} were smaller than in the template: {channel:channel} down to"
         " {value_rad:deg} against {reference_rad:deg}.",
     },
+    "findings.some_strides_less": {
+        "one": "Stride {strides:and} was smaller than in the template: {channel:channel} {value} against {reference}.",
+        "other": "Strides {strides:and} were smaller than in the template: {channel:channel} down to {value} against"
+        " {reference}.",
+    },
+    "findings.some_strides_slower": {
+        "one": "Stride {strides:and} took {value_s:s.1} against {reference_s:s.1} in the template.",
+        "other": "Strides {strides:and} took up to {value_s:s.1} against {reference_s:s.1} in the template.",
+    },
+    "findings.some_strides_faster": {
+        "one": "Stride {strides:and} took only {value_s:s.1} against {reference_s:s.1} in the template.",
+        "other": "Strides {strides:and} were faster than in the template: down to {value_s:s.1} against"
+        " {reference_s:s.1}.",
+    },
+    "findings.strides_slower": "Each stride took {ratio:number.1} times as long as in the template ({value_s:s.1}"
+    " against {reference_s:s.1}).",
+    "findings.strides_faster": "Each stride was faster than in the template ({value_s:s.1} against {reference_s:s.1}).",
+    "findings.stride_outside": {
+        "one": "{what}: outside the band between {start:points} and {end:percent} of the stride.",
+        "other": "{what}: outside the band in {outside:number} of {count:number} strides, mostly between"
+        " {start:points} and {end:percent} of the stride.",
+    },
+    "foot.toes_lower": "The toes pointed further down than in the template",
+    "foot.toes_higher": "The toes pointed further up than in the template",
+    "foot.lower": "The foot was lifted less than in the template",
+    "foot.higher": "The foot was lifted more than in the template",
+    "foot.slower": "The foot went forward more slowly than in the template",
+    "foot.faster": "The foot went forward faster than in the template",
     "findings.some_slower": {
         "one": "Repetition {repetitions:and} took {value_s:s.1} against {reference_s:s.1} in the template.",
         "other": "Repetitions {repetitions:and} took up to {value_s:s.1} against {reference_s:s.1} in the template.",

@@ -5465,6 +5465,8 @@ export interface components {
             contact_s: number | null;
             /** Duration S */
             duration_s: number | null;
+            /** Flags */
+            flags?: number | null;
             /** Is Counted */
             is_counted: boolean;
             /** Is Initiation */
@@ -5561,6 +5563,14 @@ export interface components {
             phases?: components["schemas"]["PhaseDesign"][];
             /** Repetitions */
             repetitions: components["schemas"]["RepetitionOut"][];
+            /**
+             * Side
+             * @default right
+             * @enum {string}
+             */
+            side?: "left" | "right";
+            /** Sides */
+            sides?: ("left" | "right")[];
         };
         /**
          * TemplateCopyIn
@@ -5613,10 +5623,14 @@ export interface components {
             name: string;
             /** Patient Id */
             patient_id?: string | null;
+            /** Phases */
+            phases?: components["schemas"]["PhaseDesign"][] | null;
             /** Result Id */
             result_id?: string | null;
             /** Session Id */
             session_id: string;
+            /** Side */
+            side?: ("left" | "right") | null;
             /** Template Id */
             template_id?: string | null;
             /** Tolerance Scale */
@@ -5674,6 +5688,8 @@ export interface components {
             result_id?: string | null;
             /** Session Id */
             session_id: string;
+            /** Side */
+            side?: ("left" | "right") | null;
             /** Tolerance Scale */
             tolerance_scale?: {
                 [key: string]: number;
@@ -5695,6 +5711,11 @@ export interface components {
             exercise_id: string;
             /** Id */
             id: string;
+            /**
+             * Is Guided
+             * @default true
+             */
+            is_guided?: boolean;
             /** Made By */
             made_by: string;
             /** Name */

@@ -36,6 +36,7 @@ const UNITS: Record<string, { factor: number; suffix: string; digits: number } |
   mm: { factor: 1e3, suffix: ' mm', digits: 0 },
   deg: { factor: 180 / Math.PI, suffix: '°', digits: 0 },
   degps: { factor: 180 / Math.PI, suffix: ' °/s', digits: 0 },
+  mps: { factor: 1, suffix: ' m/s', digits: 2 },
   mps2: { factor: 1, suffix: ' m/s²', digits: 1 },
   ut: { factor: 1e6, suffix: ' µT', digits: 0 },
   percent: { factor: 1e2, suffix: ' %', digits: 0 },

@@ -154,6 +154,7 @@ export const session: Translated<typeof english> = {
   'event.guidance_resume': 'Übung geht weiter',
   'event.guidance_stop': 'Übung angehalten',
   'event.guidance_failed': 'Anleitung beendet',
+  'event.guidance_off': 'Vergleich danach',
   'event.implausible': 'Nicht plausible Messwerte',
 
   'analysis.title': 'Die Sitzung wird ausgewertet',
@@ -236,6 +237,7 @@ export const session: Translated<typeof english> = {
 
   'repetition.one': 'Wiederholung',
   'repetition.numbered': 'Wiederholung {number}',
+  'repetition.stride': 'Doppelschritt {number}',
   'repetition.show': 'Wiederholung {number} zeigen',
   'repetition.leftOut': 'ausgeschlossen',
   'repetition.partial': 'nicht weit genug',
@@ -245,6 +247,10 @@ export const session: Translated<typeof english> = {
     'Nach ±: eine Standardabweichung; bei einer Wiederholung die der Schätzung, beim Mittel die zwischen den Wiederholungen.',
 
   'compare.title': 'Vergleich',
+  'compare.withStrides': {
+    one: 'Neben der Vorlage „{name}“, {count} Doppelschritt',
+    other: 'Neben der Vorlage „{name}“, {count} Doppelschritte',
+  },
   'compare.with': {
     one: '{count} Wiederholung verglichen mit „{name}“',
     other: '{count} Wiederholungen verglichen mit „{name}“',
@@ -288,6 +294,8 @@ export const session: Translated<typeof english> = {
   'group.coordination': 'Schulter und Ellbogen zusammen',
   'group.path': 'Weg und Geschwindigkeit',
   'group.compensation': 'Ausweichbewegung',
+  'phase.stance': 'Stand',
+  'phase.swing': 'Schwung',
   'phase.summary':
     '{label} über die Phasen der Bewegung: Die Vorlage reicht von {low} bis {high}; {count} Wiederholungen gezeichnet.',
   'phase.summaryOutside': {
@@ -355,6 +363,7 @@ export const session: Translated<typeof english> = {
   'template.newOrVersion': 'Speichern als',
   'template.new': 'Eine neue Vorlage',
   'template.nextVersion': 'Nächste Version von „{name}“',
+  'template.foot': 'Welcher Fuß',
   'template.forWhom': 'Für wen',
   'template.forPatient': 'Nur für {name}',
   'template.forPatientText': 'Gehört zu den Daten dieser Person.',

@@ -150,6 +150,7 @@ export const session = {
   'event.guidance_resume': 'Exercise goes on',
   'event.guidance_stop': 'Exercise stopped',
   'event.guidance_failed': 'Guidance ended',
+  'event.guidance_off': 'Compared afterwards',
   'event.implausible': 'Implausible readings',
 
   'analysis.title': 'The session is being analysed',
@@ -230,6 +231,7 @@ export const session = {
 
   'repetition.one': 'Repetition',
   'repetition.numbered': 'Repetition {number}',
+  'repetition.stride': 'Stride {number}',
   'repetition.show': 'Show repetition {number}',
   'repetition.leftOut': 'excluded',
   'repetition.partial': 'not far enough',
@@ -239,6 +241,10 @@ export const session = {
     'After ±: one standard deviation; of the estimate for a repetition, between repetitions for the mean.',
 
   'compare.title': 'Comparison',
+  'compare.withStrides': {
+    one: 'Beside the template “{name}”, {count} stride',
+    other: 'Beside the template “{name}”, {count} strides',
+  },
   'compare.with': {
     one: '{count} repetition compared with “{name}”',
     other: '{count} repetitions compared with “{name}”',
@@ -279,6 +285,8 @@ export const session = {
   'group.coordination': 'Shoulder and elbow together',
   'group.path': 'Path and speed',
   'group.compensation': 'Compensation',
+  'phase.stance': 'Stance',
+  'phase.swing': 'Swing',
   'phase.summary':
     '{label} over the phases of the movement: the template runs from {low} to {high}; {count} repetitions drawn.',
   'phase.summaryOutside': { one: '{count} repetition leaves the band.', other: '{count} repetitions leave the band.' },
@@ -341,6 +349,7 @@ export const session = {
   'template.newOrVersion': 'Save as',
   'template.new': 'A new template',
   'template.nextVersion': 'Next version of “{name}”',
+  'template.foot': 'Which foot',
   'template.forWhom': 'For whom',
   'template.forPatient': 'Only for {name}',
   'template.forPatientText': 'Belongs to this patient’s data.',
