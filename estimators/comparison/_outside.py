@@ -88,7 +88,7 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
     for column, channel in enumerate(template.channels):
         if ("." in channel) is not positions:
             continue
-        # A foot too low in swing and one too high in stance are two things; of an arm the farthest is told.
+        # A foot too low in swing and one too high in stance are two things; of an arm the farthest is named.
         for direction in (-1, 1) if is_of_stride(channel) else (0,):
             one = _left(retained, template, column, direction)
             if one is not None:
@@ -133,14 +133,14 @@ def _left(
             often[start:end] += 1
     shared = np.flatnonzero(often > len(retained) / 2)
     phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
-    # A stride begins where the one before ends, so what is outside about there has two parts: the longer is told.
-    told = _longest(phases) if direction else phases
+    # A stride begins where the one before ends, so what is outside about there has two parts: the longer is named.
+    stretch = _longest(phases) if direction else phases
     return Outside(
         channel,
         count,
         len(retained),
-        int(told[0]),
-        int(told[-1]),
+        int(stretch[0]),
+        int(stretch[-1]),
         float(beyond[phase]),
         bool(certain.any()),
         _names(phases, template),

@@ -134,9 +134,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         " Vorlage.",
     },
     "findings.stride_outside": {
-        "one": "{what}: außerhalb des Bandes zwischen {start:points} und {end:percent} des Doppelschritts.",
-        "other": "{what}: in {outside:number} von {count:number} Doppelschritten außerhalb des Bandes, meist zwischen"
-        " {start:points} und {end:percent} des Doppelschritts.",
+        "one": "{what:foot}: außerhalb des Bandes zwischen {start:points} und {end:percent} des Doppelschritts.",
+        "other": "{what:foot}: in {outside:number} von {count:number} Doppelschritten außerhalb des Bandes, meist"
+        " zwischen {start:points} und {end:percent} des Doppelschritts.",
     },
     "findings.strides_faster": "Jeder Doppelschritt war schneller als in der Vorlage ({value_s:s.1} gegenüber"
     " {reference_s:s.1}).",
@@ -148,12 +148,12 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Ausweichbewegung in den Wiederholungen {repetitions:and}: {channel:channel} bis zu {more_rad:deg}"
         " mehr als in der Vorlage.",
     },
-    "foot.faster": "Der Fuß ging schneller vorwärts als in der Vorlage",
-    "foot.higher": "Der Fuß wurde mehr gehoben als in der Vorlage",
-    "foot.lower": "Der Fuß wurde weniger gehoben als in der Vorlage",
-    "foot.slower": "Der Fuß ging langsamer vorwärts als in der Vorlage",
-    "foot.toes_higher": "Die Zehen zeigten weiter nach oben als in der Vorlage",
-    "foot.toes_lower": "Die Zehen zeigten weiter nach unten als in der Vorlage",
+    "foot.faster": "der Fuß ging schneller vorwärts als in der Vorlage",
+    "foot.higher": "der Fuß wurde mehr gehoben als in der Vorlage",
+    "foot.lower": "der Fuß wurde weniger gehoben als in der Vorlage",
+    "foot.slower": "der Fuß ging langsamer vorwärts als in der Vorlage",
+    "foot.toes_higher": "die Zehen zeigten weiter nach oben als in der Vorlage",
+    "foot.toes_lower": "die Zehen zeigten weiter nach unten als in der Vorlage",
     "size.angle": "{value_rad:deg}",
     "size.length": "{value_m:cm.1}",
     "size.speed": "{value_mps:mps}",

@@ -8,12 +8,12 @@ from estimators.comparison.channels.names import channel_name, channel_unit
 from estimators.sentences import CATALOGUE, Sentence, say
 
 _DIRECTIONS: Final = {
-    ("foot_pitch", True): "foot.toes_lower",
-    ("foot_pitch", False): "foot.toes_higher",
-    ("foot_height", True): "foot.lower",
-    ("foot_height", False): "foot.higher",
-    ("foot_speed", True): "foot.slower",
-    ("foot_speed", False): "foot.faster",
+    ("foot_pitch", True): "toes_lower",
+    ("foot_pitch", False): "toes_higher",
+    ("foot_height", True): "lower",
+    ("foot_height", False): "higher",
+    ("foot_speed", True): "slower",
+    ("foot_speed", False): "faster",
 }
 
 
@@ -23,7 +23,7 @@ def strides_left_band(found: Sequence[Outside]) -> list[str]:
     for one in found:
         stated = say(
             "findings.stride_outside",
-            what=say(_DIRECTIONS[channel_name(one.channel), one.is_below]),
+            what=_DIRECTIONS[channel_name(one.channel), one.is_below],
             outside=one.count,
             count=one.of,
             start=one.start / 100.0,
@@ -36,19 +36,24 @@ def strides_left_band(found: Sequence[Outside]) -> list[str]:
 
 def other_pace(value_s: float, reference_s: float) -> Sentence:
     """Say that all strides took longer or shorter, s, than those of the template."""
-    code = "findings.strides_slower" if value_s > reference_s else "findings.strides_faster"
-    return say(code, ratio=value_s / reference_s, value_s=value_s, reference_s=reference_s)
+    if value_s < reference_s:
+        return say("findings.strides_faster", value_s=value_s, reference_s=reference_s)
+    return say(
+        "findings.strides_slower", ratio=value_s / reference_s, value_s=value_s, reference_s=reference_s
+    )
 
 
 def other_range(channel: str, value: float, reference: float) -> Sentence:
     """Say that the range of a channel was smaller or larger, in the unit of the channel, than in the template."""
-    return say(
-        "findings.range_less" if value < reference else "findings.range_more",
-        channel=channel_name(channel),
-        difference=_size(channel, abs(value - reference)),
-        value=_size(channel, value),
-        reference=_size(channel, reference),
+    size, here, there = (
+        _size(channel, abs(value - reference)),
+        _size(channel, value),
+        _size(channel, reference),
     )
+    name = channel_name(channel)
+    if value < reference:
+        return say("findings.range_less", channel=name, difference=size, value=here, reference=there)
+    return say("findings.range_more", channel=name, difference=size, value=here, reference=there)
 
 
 def odd_strides(channel: str, which: Sequence[str], value: float, reference: float) -> Sentence:
@@ -62,8 +67,14 @@ def odd_strides(channel: str, which: Sequence[str], value: float, reference: flo
             value=_size(channel, value),
             reference=_size(channel, reference),
         )
-    code = "findings.some_strides_slower" if value > reference else "findings.some_strides_faster"
-    return say(code, strides=list(which), count=len(which), value_s=value, reference_s=reference)
+    strides, count = list(which), len(which)
+    if value > reference:
+        return say(
+            "findings.some_strides_slower", strides=strides, count=count, value_s=value, reference_s=reference
+        )
+    return say(
+        "findings.some_strides_faster", strides=strides, count=count, value_s=value, reference_s=reference
+    )
 
 
 def _size(channel: str, value: float) -> Sentence:

@@ -66,16 +66,16 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " against {reference_s:s.1}).",
     "findings.strides_faster": "Each stride was faster than in the template ({value_s:s.1} against {reference_s:s.1}).",
     "findings.stride_outside": {
-        "one": "{what}: outside the band between {start:points} and {end:percent} of the stride.",
-        "other": "{what}: outside the band in {outside:number} of {count:number} strides, mostly between"
+        "one": "{what:foot}: outside the band between {start:points} and {end:percent} of the stride.",
+        "other": "{what:foot}: outside the band in {outside:number} of {count:number} strides, mostly between"
         " {start:points} and {end:percent} of the stride.",
     },
-    "foot.toes_lower": "The toes pointed further down than in the template",
-    "foot.toes_higher": "The toes pointed further up than in the template",
-    "foot.lower": "The foot was lifted less than in the template",
-    "foot.higher": "The foot was lifted more than in the template",
-    "foot.slower": "The foot went forward more slowly than in the template",
-    "foot.faster": "The foot went forward faster than in the template",
+    "foot.toes_lower": "the toes pointed further down than in the template",
+    "foot.toes_higher": "the toes pointed further up than in the template",
+    "foot.lower": "the foot was lifted less than in the template",
+    "foot.higher": "the foot was lifted more than in the template",
+    "foot.slower": "the foot went forward more slowly than in the template",
+    "foot.faster": "the foot went forward faster than in the template",
     "findings.some_slower": {
         "one": "Repetition {repetitions:and} took {value_s:s.1} against {reference_s:s.1} in the template.",
         "other": "Repetitions {repetitions:and} took up to {value_s:s.1} against {reference_s:s.1} in the template.",

@@ -49,7 +49,7 @@ def codes(result: ComparisonResult) -> list[str]:
         assert isinstance(one, Sentence)
         parts = [part for part in one.parameters.get("lines", [one]) if isinstance(part, Sentence)]
         what = parts[0].parameters.get("what")
-        found.append(what.code if isinstance(what, Sentence) else parts[0].code)
+        found.append(f"foot.{what}" if what else parts[0].code)
     return found
 
 
