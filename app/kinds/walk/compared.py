@@ -5,9 +5,11 @@ from typing import Final
 import numpy as np
 from sqlalchemy.orm import Session
 
+from app.accounts.subject import Subject
 from app.errors import InvalidInput
 from app.kinds.walk.history import stored_walk
-from app.kinds.walk.schemas import FootOut, StrideOut, WalkContent
+from app.kinds.walk.schemas import FootCurve, FootCurvesOut, FootOut, StrideOut, WalkContent
+from app.recordings import repository
 from app.recordings.compared import Cycles, Source, frames_of
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
@@ -15,12 +17,13 @@ from estimators.comparison import NamedPhase, Repetition, Stood, foot_channels, 
 from estimators.conventions import Side
 from estimators.gait import StrideFlag
 from estimators.pipelines import Frames, SessionSetup
+from estimators.recording import Float
 
 _REASONS: Final = (
-    (StrideFlag.MISSING, "stride.missing"),
-    (StrideFlag.ALOFT, "stride.aloft"),
-    (StrideFlag.LONG, "stride.long"),
-    (StrideFlag.SIDEWAYS, "stride.sideways"),
+    (StrideFlag.MISSING, say("stride.missing")),
+    (StrideFlag.ALOFT, say("stride.aloft")),
+    (StrideFlag.LONG, say("stride.long")),
+    (StrideFlag.SIDEWAYS, say("stride.sideways")),
 )
 
 
@@ -37,6 +40,49 @@ def walk_source(session: Session, found: MotionSession, result: Result) -> Sourc
         raise InvalidInput(say("walk.no_strides"), field="result_id")
     frames = frames_of(session, result)
     return source_of(frames, content, result, (found.recording_start_s, found.recording_end_s))
+
+
+def foot_curves(
+    session: Session, subject: Subject, session_id: str, result_id: str | None, max_points: int
+) -> FootCurvesOut:
+    """Return the channels of the feet over the whole walk, every n-th tick of them.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    session_id : str
+    result_id : str, optional
+        The main result by default.
+    max_points : int
+        Of every curve.
+
+    Raises
+    ------
+    NotFound
+        No such session or result.
+    InvalidInput
+        The result has no strides.
+    """
+    found = repository.get_session(
+        session, subject, session_id, action="session.gait", details={"result": result_id or "main"}
+    )
+    result = repository.result_of(session, found, result_id)
+    moved = walk_source(session, found, result).moved
+    thin = slice(None, None, max(1, -(-len(moved.time_s) // max_points)))
+    values = np.where(moved.valid, moved.values, np.nan)[thin]
+    return FootCurvesOut(
+        result_id=result.id,
+        time_s=[round(float(t), 4) for t in moved.time_s[thin]],
+        curves=[
+            FootCurve(channel=name, value=_plain(values[:, column]), sigma=_plain(moved.sigma[thin, column]))
+            for column, name in enumerate(moved.channels)
+        ],
+    )
+
+
+def _plain(values: Float) -> list[float | None]:
+    return [round(float(value), 5) if np.isfinite(value) else None for value in values]
 
 
 def source_of(
@@ -124,12 +170,12 @@ def _repetition(one: StrideOut) -> Repetition:
 
 
 def _reason(one: StrideOut) -> str:
-    for flag, code in _REASONS:
+    for flag, reason in _REASONS:
         if (one.flags or 0) & flag:
-            return say(code)
+            return reason
     if one.is_termination:
         return say("stride.last")
     return say("stride.unsteady") if one.flags is None else say("stride.turning")
 
 
-__all__ = ["cycles_of", "source_of", "walk_source"]
+__all__ = ["cycles_of", "foot_curves", "source_of", "walk_source"]

@@ -1,13 +1,19 @@
 """Routes of walks: one in numbers, those of a patient, and two conditions compared."""
 
-from fastapi import APIRouter
+from typing import Annotated, Final
+
+from fastapi import APIRouter, Query
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
+from app.kinds.walk.compared import foot_curves
 from app.kinds.walk.history import compare, walks_of
-from app.kinds.walk.schemas import ConditionsIn, ConditionsOut, GaitOut, WalkRow
+from app.kinds.walk.schemas import ConditionsIn, ConditionsOut, FootCurvesOut, GaitOut, WalkRow
 from app.kinds.walk.stored import gait
 from app.pages import WantedPage
+
+_MOST_POINTS: Final = 20_000
+"""Three minutes and a bit of every tick; a stride of a longer walk still has dozens."""
 
 router = APIRouter(prefix="/api", tags=["walks"])
 
@@ -18,6 +24,18 @@ def get_gait(
 ) -> GaitOut:
     """Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry."""
     return gait(session, subject, session_id, result_id)
+
+
+@router.get("/sessions/{session_id}/gait/curves")
+def get_foot_curves(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    result_id: str | None = None,
+    max_points: Annotated[int, Query(ge=2, le=_MOST_POINTS)] = _MOST_POINTS,
+) -> FootCurvesOut:
+    """Return pitch, height and forward speed of each foot over the whole walk, as templates of walks have them."""
+    return foot_curves(session, subject, session_id, result_id, max_points)
 
 
 @router.get("/patients/{patient_id}/walks")

@@ -228,12 +228,32 @@ class GaitOut(WalkContent):
     result: ResultOut
 
 
+class FootCurve(Schema):
+    """One channel of a foot over time; None where it was not tracked."""
+
+    channel: str
+    """As in a template of the walk, such as `foot_height_right_m`."""
+    value: list[float | None]
+    """rad, m or m/s by the end of its name."""
+    sigma: list[float | None]
+
+
+class FootCurvesOut(Schema):
+    """What the feet of a walk did over time."""
+
+    result_id: str
+    time_s: list[float]
+    curves: list[FootCurve]
+
+
 __all__ = [
     "BalanceOut",
     "ConditionsIn",
     "ConditionsOut",
     "CurveName",
     "CycleCurve",
+    "FootCurve",
+    "FootCurvesOut",
     "FootOut",
     "FootholdOut",
     "GaitOut",

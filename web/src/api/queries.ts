@@ -504,6 +504,14 @@ export const useGait = (id: string | null) =>
     enabled: id !== null && id !== '',
     staleTime: 60_000,
   });
+export const useFootCurves = (id: string, resultId: string) =>
+  useGet<Wire.FootCurves>(
+    [...keys.gait(id), 'curves', resultId],
+    `/api/sessions/${id}/gait/curves?result_id=${resultId}`,
+    {
+      staleTime: Infinity,
+    },
+  );
 export const useWalks = (patientId: string) =>
   useAll<Wire.WalkRow>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
 /** Two conditions compared; asked anew whenever the choice of walks changes. */

@@ -1214,6 +1214,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/gait/curves": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Foot Curves
+         * @description Return pitch, height and forward speed of each foot over the whole walk, as templates of walks have them.
+         */
+        get: operations["get_foot_curves_api_sessions__session_id__gait_curves_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/guidance": {
         parameters: {
             query?: never;
@@ -3302,6 +3322,30 @@ export interface components {
              * @enum {string}
              */
             placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
+        };
+        /**
+         * FootCurve
+         * @description One channel of a foot over time; None where it was not tracked.
+         */
+        FootCurve: {
+            /** Channel */
+            channel: string;
+            /** Sigma */
+            sigma: (number | null)[];
+            /** Value */
+            value: (number | null)[];
+        };
+        /**
+         * FootCurvesOut
+         * @description What the feet of a walk did over time.
+         */
+        FootCurvesOut: {
+            /** Curves */
+            curves: components["schemas"]["FootCurve"][];
+            /** Result Id */
+            result_id: string;
+            /** Time S */
+            time_s: number[];
         };
         /**
          * FootholdOut
@@ -8437,6 +8481,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["GaitOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    get_foot_curves_api_sessions__session_id__gait_curves_get: {
+        parameters: {
+            query?: {
+                max_points?: number;
+                result_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FootCurvesOut"];
                 };
             };
             401: components["responses"]["Error401"];

@@ -130,6 +130,7 @@ export type SourceUse = Schemas['SourceUseOut'];
 export type Series = Schemas['SeriesOut'];
 
 export type Gait = Schemas['GaitOut'];
+export type FootCurves = Schemas['FootCurvesOut'];
 export type GaitFoot = Schemas['FootOut'];
 export type Stride = Schemas['StrideOut'];
 export type CycleCurve = Schemas['CycleCurve'];

@@ -37,6 +37,7 @@ const SHOWN_EVENTS = new Set([
   'pain',
   'guidance_pause',
   'guidance_stop',
+  'guidance_off',
 ]);
 
 export function Timeline({ player, repetitions, events, onRepetition }: TimelineProps) {

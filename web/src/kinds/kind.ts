@@ -10,6 +10,7 @@ import type {
   Side,
   StateMessage,
 } from '../api/types';
+import type { TemplateAt } from '../charts/Traces';
 import type { Near } from '../components/Viewer3D';
 import type { LivePlayer } from '../player/live';
 import type { ReplayPlayer } from '../player/replay';
@@ -34,6 +35,13 @@ export interface ReplayProps {
   resultId: string;
   /** Go to a moment, in seconds since the start of what is shown. */
   onSeek: (sinceStartS: number) => void;
+}
+
+export interface CurvesProps extends ReplayProps {
+  /** The template over time; undefined without a comparison. */
+  templateAt: TemplateAt | undefined;
+  /** The channels that were compared. */
+  compared: readonly string[];
 }
 
 /** What was asked of every new session before the questions of its kind. */
@@ -64,7 +72,7 @@ export interface SessionKind {
   isGuided: boolean;
   /** Other orientation estimators can be tried on a stored session. */
   hasEstimators: boolean;
-  /** Repetitions are compared with a template. */
+  /** Repetitions are compared with a template; of a walk its strides are. */
   isCompared: boolean;
   /** How it is offered for a new session. */
   begin?: {
@@ -112,6 +120,8 @@ export interface KindParts {
     tab?: { value: string; title: () => string; Panel: Part<ReplayProps> };
     /** The title of the tab of angles; without, there is none. */
     angles?: () => string;
+    /** What that tab shows instead of the joint angles of the frames. */
+    Curves?: Part<CurvesProps>;
     /** Replaces the buttons at the head of an analysed session. */
     Actions?: Part<{ session: SessionDetail }>;
   };

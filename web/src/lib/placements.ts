@@ -7,8 +7,9 @@ export const FEET: Placement[] = ['foot_left', 'foot_right'];
 export const LEG_JOINTS = ['pelvis_thigh', 'thigh_shank', 'shank_foot'] as const;
 const LEG_ANGLE = new RegExp(`^(?:${LEG_JOINTS.join('|')})_(left|right)_`);
 
-/** Which limb an angle is of. */
-export function limbOf(angle: string | undefined): 'arm' | 'leg' {
+/** Which limb an angle is of; `foot`: of a foot that walks. */
+export function limbOf(angle: string | undefined): 'arm' | 'leg' | 'foot' {
+  if (angle?.startsWith('foot_')) return 'foot';
   return LEG_ANGLE.test(angle ?? '') ? 'leg' : 'arm';
 }
 

@@ -3,10 +3,13 @@ import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
 import { displayUnit, number, quantity } from './format';
 
+/** How far a joint moved; of a foot that walks other numbers say more. */
+const isRange = (measure: string) => measure.startsWith('range:') && !measure.startsWith('range:foot_');
+
 /** The measure a patient understands best: how far the main joint moved. */
 export function mainMeasure(measures: readonly ProgressMeasure[]): ProgressMeasure | null {
   const withPoints = measures.filter((one) => one.points.length > 0);
-  return withPoints.find((one) => one.measure.startsWith('range:')) ?? withPoints[0] ?? null;
+  return withPoints.find((one) => isRange(one.measure)) ?? withPoints[0] ?? null;
 }
 
 /** The joint whose range a measure is, in a word everybody knows. */
@@ -41,7 +44,8 @@ export function plainFeedback(
   repetitions: number,
   primaryAngle: string | undefined,
 ): string[] {
-  const ranges = summary.filter((one) => one.measure.startsWith('range:') && one.value !== null);
+  if (summary.some((one) => one.measure.startsWith('range:foot_'))) return [t('home.strides', { count: repetitions })];
+  const ranges = summary.filter((one) => isRange(one.measure) && one.value !== null);
   const main = ranges.find((one) => one.measure === `range:${primaryAngle}`) ?? ranges[0];
   const said = [repetitions > 0 ? t('home.did', { count: repetitions }) : t('home.didNone')];
   const unit = displayUnit(main?.unit);
@@ -58,6 +62,6 @@ export function plainFeedback(
 
 /** How often a movement was done in a session, by the progress of its exercise; null where that is not known. */
 export function repetitionsOf(measures: readonly ProgressMeasure[], sessionId: string): number | null {
-  const points = measures.filter((one) => one.measure.startsWith('range:')).flatMap((one) => one.points);
+  const points = measures.filter((one) => isRange(one.measure)).flatMap((one) => one.points);
   return points.find((one) => one.session_id === sessionId)?.count ?? null;
 }

@@ -1,13 +1,20 @@
 import { render } from '@testing-library/react';
 import { createElement } from 'react';
 import { describe, expect, it } from 'vitest';
-import type { AuditEntry, CaseloadRow, Placement, ProgressMeasure, SessionDetail } from '../../src/api/types';
+import type {
+  AuditEntry,
+  CaseloadRow,
+  MeasureValue,
+  Placement,
+  ProgressMeasure,
+  SessionDetail,
+} from '../../src/api/types';
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
 import { matches } from '../../src/lib/assessment/caseload';
 import { nearOf } from '../../src/kinds';
 import { limbOf, placementProblem, suggestedPlacements } from '../../src/lib/placements';
-import { jointOf, plainProgress } from '../../src/lib/plain';
+import { jointOf, mainMeasure, plainFeedback, plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
 import { WearPicture } from '../../src/pictures/WearPicture';
@@ -200,5 +207,17 @@ describe('what happened', () => {
     );
     expect(eventText(event({ placement: 'hand_right', text: 'Iron is near' }))).toBe('Iron is near');
     expect(eventText(event({ kind: 'device_calibration', text: '' }))).toBe('A sensor was calibrated in the hand');
+  });
+});
+
+describe('strides beside a template', () => {
+  it('are of a foot, and are told to a patient without numbers of a joint', () => {
+    expect(limbOf('foot_height_right_m')).toBe('foot');
+    const summary = [{ measure: 'range:foot_pitch_right_rad', value: 60, unit: 'deg' } as MeasureValue];
+    expect(plainFeedback(summary, 6, '')).toEqual(['6 of your strides were compared with the example.']);
+  });
+  it('come after the numbers of the walk', () => {
+    const of = (measure: string) => ({ measure, points: [{}] }) as ProgressMeasure;
+    expect(mainMeasure([of('walk:speed:left'), of('range:foot_pitch_left_rad')])?.measure).toBe('walk:speed:left');
   });
 });

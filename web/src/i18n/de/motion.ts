@@ -39,6 +39,9 @@ export const motion: Translated<typeof english> = {
   'scalar.centre_of_mass_ahead': 'Körperschwerpunkt vor den Knöcheln',
   'scalar.centre_of_mass_left': 'Körperschwerpunkt links von den Knöcheln',
   'scalar.centre_of_mass_height': 'Höhe des Körperschwerpunkts',
+  'scalar.foot_pitch': 'Fußneigung',
+  'scalar.foot_height': 'Fußhöhe',
+  'scalar.foot_speed': 'Fußgeschwindigkeit nach vorn',
   'scalar.hand_speed': 'Handgeschwindigkeit',
 
   'point.pelvis': 'Becken',

@@ -36,6 +36,9 @@ export const motion = {
   'scalar.centre_of_mass_ahead': 'Centre of mass ahead of the ankles',
   'scalar.centre_of_mass_left': 'Centre of mass to the left of the ankles',
   'scalar.centre_of_mass_height': 'Height of the centre of mass',
+  'scalar.foot_pitch': 'Foot pitch',
+  'scalar.foot_height': 'Foot height',
+  'scalar.foot_speed': 'Forward speed of the foot',
   'scalar.hand_speed': 'Hand speed',
 
   'point.pelvis': 'Pelvis',

@@ -12,7 +12,7 @@ export const kind: SessionKind = {
   needsPose: false,
   isGuided: true,
   hasEstimators: true,
-  isCompared: false,
+  isCompared: true,
   begin: {
     title: () => t('newSession.feet'),
     text: () => t('newSession.feetText'),

@@ -5,6 +5,7 @@ import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
 import { BeginWalk } from './BeginWalk';
+import { FootCurves } from './views/FootCurves';
 import { GuidedWalk } from './views/GuidedWalk';
 import { walkKind } from './guidedWalk';
 import { LiveWalk } from './views/LiveWalk';
@@ -46,6 +47,8 @@ export const parts: KindParts = {
   replay: {
     UnderPicture: ({ session }) => <WalkMap sessionId={session.id} />,
     tab: { value: 'walk', title: () => t('walk.result'), Panel },
+    angles: () => t('walk.curves'),
+    Curves: FootCurves,
     Actions: ({ session }) => <WalkLink sessionId={session.id} />,
   },
 };

@@ -38,7 +38,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const isWalked = isWalk(exerciseOf(exercises.data, exerciseId)?.movement);
   const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
-  const hasTemplate = !isWalked && chosen !== NO_TEMPLATE;
+  const hasTemplate = chosen !== NO_TEMPLATE;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!exerciseId || !isDateOrEmpty(endsAt)) return;
@@ -52,7 +52,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         days: days.map(Number),
         times: days.length ? times.filter(Boolean) : [],
         tolerance_scale: hasTemplate ? Math.min(WIDEST, Math.max(NARROWEST, Number(percent) || 100)) / 100 : 1,
-        stops: hasTemplate ? stops : [],
+        stops: hasTemplate && !isWalked ? stops : [],
         question,
         ends_at: endsAt ? new Date(`${endsAt}T23:59:59`).toISOString() : null,
       },
@@ -79,10 +79,16 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         data-autofocus
       />
       {present.data?.some((one) => one.exercise_id === exerciseId) && <Notice>{t('prescription.twice')}</Notice>}
-      {exerciseId && templates.data && !isWalked && (
+      {exerciseId && templates.data && (!isWalked || choices.length > 0) && (
         <Select
           label={t('prescription.template')}
-          description={choices.length ? t('prescription.templateHelp') : t('prescription.noTemplateHelp')}
+          description={t(
+            isWalked
+              ? 'prescription.walkTemplateHelp'
+              : choices.length
+                ? 'prescription.templateHelp'
+                : 'prescription.noTemplateHelp',
+          )}
           data={[
             ...choices.map((one) => ({ value: one.id, label: one.name })),
             { value: NO_TEMPLATE, label: t('prescription.without') },
@@ -131,7 +137,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
             value={percent}
             onChange={setPercent}
           />
-          <Limits exercise={exercise} stops={stops} onChange={setStops} />
+          {!isWalked && <Limits exercise={exercise} stops={stops} onChange={setStops} />}
         </>
       )}
       <TextInput

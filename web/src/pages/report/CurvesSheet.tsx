@@ -10,13 +10,18 @@ import { Sheet } from './Sheet';
 const MOST_CURVES = 6;
 
 /** Sheet 2: the curves that matter, the main one first. */
-export function CurvesSheet({ session, patient, comparison }: ReportProps & { comparison: ComparisonDetail }) {
+export function CurvesSheet({
+  session,
+  patient,
+  comparison,
+  page = 2,
+}: Pick<ReportProps, 'session' | 'patient'> & { comparison: ComparisonDetail; page?: number }) {
   const length = (channel: string) =>
     outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
   const curves = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length).slice(0, MOST_CURVES);
   return (
-    <Sheet title={t('report.curves')} number={2} session={session} patient={patient}>
+    <Sheet title={t('report.curves')} number={page} session={session} patient={patient}>
       <ul className="paper-legend plain-list">
         <LegendRow
           sign={

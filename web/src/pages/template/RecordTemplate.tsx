@@ -20,13 +20,15 @@ import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
 import { RadioCards } from '../../components/forms/Choice';
 import { Answer, Empty, Problem, Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
-import { t } from '../../i18n';
+import { t, tOr } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { fullName } from '../../lib/people';
 
 const SHOWN_FIRST = 12;
 const SHOWN_MORE = 24;
+/** So many curves are shown at once. */
+const FEW_CURVES = 3;
 const NARROWEST = 0.5;
 const WIDEST = 3;
 
@@ -164,6 +166,12 @@ function Shape({
   );
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const curves = pickCurves(content.curves, showsAll, exercise?.primary_angle ?? null);
+  const sides = content.sides ?? [];
+  // Those of the preview have English names; on this page and from here on they have the therapist's.
+  const phases = (content.phases ?? []).map((one) => ({
+    ...one,
+    name: tOr(`phase.${one.name.toLowerCase()}`, one.name),
+  }));
   const accepted = content.repetitions.length - dropped.size;
   const existing = templates.data ?? [];
   const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
@@ -184,6 +192,7 @@ function Shape({
       {
         ...request,
         exercise_id: exerciseId,
+        ...(phases.length > 0 && { phases }),
         patient_id: forWhom === 'patient' ? session.patient_id : null,
         template_id: templateId === 'new' ? null : templateId,
         name:
@@ -203,16 +212,29 @@ function Shape({
     <>
       <section className="card" aria-labelledby="cut">
         <div className="card-head">
-          <h2 id="cut">{t('template.stepCut')}</h2>
+          <h2 id="cut">{t(sides.length > 0 ? 'template.stepStrides' : 'template.stepCut')}</h2>
           <span className="muted end">{t('template.found', { accepted, all: content.repetitions.length })}</span>
         </div>
+        {sides.length > 1 && (
+          <div className="stack foot-choice">
+            <RadioCards
+              legend={t('template.foot')}
+              value={content.side ?? 'right'}
+              onChange={(side) => onRequest({ ...request, side, dropped: null, tolerance_scale: {} })}
+              columns={2}
+              options={sides.map((value) => ({ value, title: t(`exercise.foot.${value}`) }))}
+            />
+          </div>
+        )}
         <ul className="plain-list repetition-choice">
           {content.repetitions.map((one, index) => (
             <li key={one.number}>
               <Checkbox
                 label={
                   <>
-                    <span className="strong">{t('repetition.numbered', { number: one.number })}</span>{' '}
+                    <span className="strong">
+                      {t(sides.length > 0 ? 'repetition.stride' : 'repetition.numbered', { number: one.number })}
+                    </span>{' '}
                     <span className="muted number">
                       {position(one.start_s)} · {number(one.end_s - one.start_s, 1)} s
                     </span>
@@ -236,7 +258,13 @@ function Shape({
           {curves.map((curve) => (
             <div key={curve.channel} className="template-curve">
               <h3>{curve.label}</h3>
-              <PhaseChart curve={curve} left={dropped} height={230} bandScale={isFresh ? 1 : scaleOf(curve.channel)} />
+              <PhaseChart
+                curve={curve}
+                phases={phases}
+                left={dropped}
+                height={230}
+                bandScale={isFresh ? 1 : scaleOf(curve.channel)}
+              />
               <div className="band-slider">
                 <span id={`band-${curve.channel}`}>{t('template.bandWidth')}</span>
                 <Slider
@@ -256,9 +284,11 @@ function Shape({
             </div>
           ))}
         </div>
-        <Button mt={16} variant="default" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
-          {showsAll ? t('compare.fewerCurves') : t('compare.moreCurves')}
-        </Button>
+        {content.curves.length > FEW_CURVES && (
+          <Button mt={16} variant="default" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
+            {showsAll ? t('compare.fewerCurves') : t('compare.moreCurves')}
+          </Button>
+        )}
       </section>
       <section className="card stack" aria-labelledby="name">
         <h2 id="name">{t('template.stepName')}</h2>

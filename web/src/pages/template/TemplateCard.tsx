@@ -69,19 +69,19 @@ export function TemplateCard({
             </p>
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
-              {pickCurves(found.content.curves, false, primary, (channel) => Number(isDrawn(found, channel))).map(
-                (curve) => (
-                  <div key={curve.channel} className="template-curve">
-                    <h3>{curve.label}</h3>
-                    <PhaseChart
-                      curve={curve}
-                      phases={found.content.phases}
-                      left={new Set(found.content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))}
-                      height={200}
-                    />
-                  </div>
-                ),
-              )}
+              {pickCurves(found.content.curves, false, primary || found.primary_channel, (channel) =>
+                Number(isDrawn(found, channel)),
+              ).map((curve) => (
+                <div key={curve.channel} className="template-curve">
+                  <h3>{curve.label}</h3>
+                  <PhaseChart
+                    curve={curve}
+                    phases={found.content.phases}
+                    left={new Set(found.content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))}
+                    height={200}
+                  />
+                </div>
+              ))}
             </div>
           </>
         )}

@@ -202,3 +202,36 @@ it('puts the value of a grip at the rim beside it, and names no reach of a leg',
   expect(valueOf('Whole movement: upper limit')?.getAttribute('text-anchor')).toBe('middle');
   expect(screen.queryByText(/with a reach of/)).toBeNull();
 });
+
+it('shows of a walk its phases and bands, and nothing that is followed live', async () => {
+  const height = 'foot_height_right_m';
+  const walk: TemplateVersionDetail = {
+    ...version,
+    primary_channel: height,
+    is_guided: false,
+    design: {
+      phases: [
+        { name: 'Stance', start: 0, end: 0.6 },
+        { name: 'Swing', start: 0.6, end: 1 },
+      ],
+      watched: ['foot_speed_right_mps'],
+      stops: [],
+      cues: [],
+    },
+    content: {
+      ...version.content,
+      curves: [
+        { ...curve(height, 'Foot height', 0.2), unit: 'm' },
+        { ...curve('foot_speed_right_mps', 'Forward speed of the foot', 4), unit: 'm/s' },
+      ],
+    },
+  };
+  open(walk);
+  await screen.findByText('Main curve, always counts');
+  expect(screen.getByLabelText<HTMLInputElement>('Name of phase 2').value).toBe('Swing');
+  expect(screen.queryByRole('heading', { name: 'What stops the exercise' })).toBeNull();
+  expect(screen.queryByText(/55 cm/), 'no reach').toBeNull();
+  await userEvent.click(screen.getByRole('button', { name: /^Forward speed of the foot/ }));
+  const limit = screen.getByLabelText<HTMLInputElement>('Swing: how far above, in metres a second');
+  expect(limit.disabled, 'what is only watched has no limit to set').toBe(true);
+});

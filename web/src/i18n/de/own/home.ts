@@ -91,6 +91,10 @@ export const home: Translated<typeof english> = {
   'home.example': 'Die durchsichtige Figur ist das Beispiel aus Ihrer Therapie.',
   'home.nothingToShow': 'Es wurde nichts aufgezeichnet, was gezeigt werden könnte.',
   'home.did': { one: 'Sie haben es einmal gemacht.', other: 'Sie haben es {count} Mal gemacht.' },
+  'home.strides': {
+    one: 'Einer Ihrer Doppelschritte wurde mit dem Beispiel verglichen.',
+    other: '{count} Ihrer Doppelschritte wurden mit dem Beispiel verglichen.',
+  },
   'home.didNone': 'In der Aufzeichnung wurde keine vollständige Bewegung gefunden.',
   'home.moved': 'Bewegung im Gelenk ({joint}): im Durchschnitt {degrees}°.',
   'home.movedExample':

@@ -352,6 +352,7 @@ export const session: Translated<typeof english> = {
   'template.recordNow': 'Neu aufzeichnen',
   'template.from': 'Aus „{what}“, {when}.',
   'template.other': 'Andere Aufzeichnung wählen',
+  'template.stepStrides': '2. Gute Doppelschritte wählen',
   'template.stepCut': '2. Gute Wiederholungen wählen',
   'template.found': '{accepted} von {all} verwendet',
   'template.droppedByYou': 'Von Ihnen ausgeschlossen',

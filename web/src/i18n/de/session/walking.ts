@@ -8,6 +8,11 @@ export const walking: Translated<typeof english> = {
   'movement.six_minute_walk': 'Sechs-Minuten-Gehtest',
   'exercise.judgedByWalk': 'Beurteilt nach Zeit und Strecke.',
   'walk.title': 'Der Gang in Zahlen',
+  'walk.curves': 'Kurven',
+  'walk.curvesHelp':
+    'Neigung des Fußes (Zehen nach oben), seine Höhe über der Linie zwischen seinen Auftritten und seine Geschwindigkeit nach vorn.',
+  'walk.curvesWithTemplate':
+    'Jeder Doppelschritt mit der Vorlage und ihrem Band: Neigung des Fußes (Zehen nach oben), Höhe und Geschwindigkeit nach vorn.',
   'walk.open': 'Fußabdrücke und Doppelschritte',
   'walk.replay': 'In 3D abspielen',
   'walk.result': 'Ergebnis',

@@ -4,6 +4,7 @@ import type { design as english } from '../../en/staff/design';
 
 export const design: Translated<typeof english> = {
   'design.title': 'Auf „{name}“ zeichnen',
+  'design.walkLead': 'Benennen Sie die Phasen des Doppelschritts, und zeichnen Sie, wie weit jede gehen darf.',
   'design.lead':
     'Benennen Sie die Phasen, zeichnen Sie, wie weit jede gehen darf, und legen Sie fest, was die Übung anhält und was gesagt wird.',
   'design.open': 'Phasen und Bänder zeichnen',
@@ -13,6 +14,7 @@ export const design: Translated<typeof english> = {
   'design.fewerCurves': 'Weniger Kurven anzeigen',
   'design.counts': 'Zählt',
   'design.countsOf': '{curve} zählt',
+  'design.isMainCurve': 'Hauptkurve, zählt immer',
   'design.isMain': 'Hauptwinkel, zählt immer',
   'design.isWatched': 'Nur beobachtet: wird gezeigt, gilt nie als falsch',
   'design.isDrawn': 'Band von Ihnen gezeichnet',
@@ -93,6 +95,7 @@ export const design: Translated<typeof english> = {
   'design.limitOf': 'Grenze: wenn {what}',
   'design.unitDegrees': 'Grad',
   'design.unitCm': 'cm',
+  'design.unitSpeed': 'Metern je Sekunde',
   'design.removeCue': 'Hinweis entfernen, wenn {what}',
   'design.addCue': 'Hinweis hinzufügen',
   'design.newCueCurve': 'Wenn diese Kurve ihr Band verlässt',

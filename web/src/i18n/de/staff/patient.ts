@@ -178,6 +178,8 @@ export const patient: Translated<typeof english> = {
   'prescription.chooseExercise': 'Übung wählen',
   'prescription.template': 'Vorlage',
   'prescription.templateHelp': 'Die Bewegung, mit der verglichen wird.',
+  'prescription.walkTemplateHelp':
+    'Die Doppelschritte werden danach mit ihr verglichen; während des Gehens wird nichts gezählt.',
   'prescription.noTemplateHelp':
     'Für diese Übung gibt es noch keine Vorlage. Ohne Vorlage werden Sitzungen gespeichert, aber nicht verglichen.',
   'prescription.without': 'Ohne Vorlage',
@@ -275,6 +277,8 @@ export const patient: Translated<typeof english> = {
   'exercise.arm.right': 'Rechter Arm',
   'exercise.leg.left': 'Linkes Bein',
   'exercise.leg.right': 'Rechtes Bein',
+  'exercise.foot.left': 'Linker Fuß',
+  'exercise.foot.right': 'Rechter Fuß',
   'exercise.angle': 'Hauptmaß: der Umfang von',
   'exercise.angleHelp': 'Der Verlauf wird danach beurteilt, wie weit sich dieses Gelenk bewegt.',
   'exercise.judgedBy': 'Beurteilt nach: {angle}',

@@ -86,6 +86,10 @@ export const home = {
   'home.example': 'The figure you can see through is your therapist’s example.',
   'home.nothingToShow': 'Nothing was recorded that could be shown.',
   'home.did': { one: 'You did it once.', other: 'You did it {count} times.' },
+  'home.strides': {
+    one: 'One of your strides was compared with the example.',
+    other: '{count} of your strides were compared with the example.',
+  },
   'home.didNone': 'No complete movement was found in what was recorded.',
   'home.moved': 'Your {joint} moved {degrees}° on average.',
   'home.movedExample': 'Your {joint} moved {degrees}° on average. In your therapist’s example it moved {example}°.',

@@ -338,6 +338,7 @@ export const session = {
   'template.recordNow': 'Record a new one',
   'template.from': 'From “{what}”, {when}.',
   'template.other': 'Choose another recording',
+  'template.stepStrides': '2. Choose the good strides',
   'template.stepCut': '2. Choose the good repetitions',
   'template.found': '{accepted} of {all} used',
   'template.droppedByYou': 'Excluded by you',

@@ -5,6 +5,11 @@ export const walking = {
   'movement.six_minute_walk': 'Six-minute walk',
   'exercise.judgedByWalk': 'Judged by time and distance.',
   'walk.title': 'Walk in numbers',
+  'walk.curves': 'Curves',
+  'walk.curvesHelp':
+    'Pitch of the foot (toes up), its height above the line between its footholds, and its forward speed.',
+  'walk.curvesWithTemplate':
+    'Every stride with the template and its band: pitch of the foot (toes up), height and forward speed.',
   'walk.open': 'Footprints and strides',
   'walk.replay': 'Replay in 3D',
   'walk.result': 'Result',

@@ -1,6 +1,7 @@
 // Words of the template editor: phases, bands, what counts, what stops, what is said.
 export const design = {
   'design.title': 'Draw on “{name}”',
+  'design.walkLead': 'Name the phases of the stride, and draw how far each may go.',
   'design.lead': 'Name the phases, draw how far each may go, and say what stops the exercise and what is said.',
   'design.open': 'Draw phases and bands',
   'design.basedOn': 'Version {number} of {date}, {by}',
@@ -9,6 +10,7 @@ export const design = {
   'design.fewerCurves': 'Show fewer curves',
   'design.counts': 'Counts',
   'design.countsOf': '{curve} counts',
+  'design.isMainCurve': 'Main curve, always counts',
   'design.isMain': 'Main angle, always counts',
   'design.isWatched': 'Only watched: shown, never called wrong',
   'design.isDrawn': 'Band drawn by you',
@@ -87,6 +89,7 @@ export const design = {
   'design.limitOf': 'Limit: when {what}',
   'design.unitDegrees': 'degrees',
   'design.unitCm': 'cm',
+  'design.unitSpeed': 'metres a second',
   'design.removeCue': 'Remove the cue when {what}',
   'design.addCue': 'Add a cue',
   'design.newCueCurve': 'When this curve leaves its band',

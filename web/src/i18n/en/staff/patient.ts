@@ -170,6 +170,7 @@ export const patient = {
   'prescription.chooseExercise': 'Choose an exercise',
   'prescription.template': 'Template',
   'prescription.templateHelp': 'The movement that the patient is compared with.',
+  'prescription.walkTemplateHelp': 'The strides are compared with it afterwards; nothing is counted during the walk.',
   'prescription.noTemplateHelp':
     'There is no template for this exercise yet. Without one, sessions are stored but not compared.',
   'prescription.without': 'Without a template',
@@ -258,6 +259,8 @@ export const patient = {
   'exercise.arm.right': 'Right arm',
   'exercise.leg.left': 'Left leg',
   'exercise.leg.right': 'Right leg',
+  'exercise.foot.left': 'Left foot',
+  'exercise.foot.right': 'Right foot',
   'exercise.angle': 'Main measure: the range of',
   'exercise.angleHelp': 'Progress is judged by how far this joint moves.',
   'exercise.judgedBy': 'Judged by: {angle}',

@@ -1,7 +1,15 @@
 // The report of a walk: what came of it and whether it changed, curves over the gait cycle, method and quality.
 import { LegendStroke } from '../../../charts/Legend';
-import { useEstimators, useGait, useProgress } from '../../../api/queries';
-import type { CycleCurve, Gait, Patient, ProgressMeasure, SessionDetail, WalkMeasure } from '../../../api/types';
+import { useComparison, useComparisons, useEstimators, useGait, useProgress } from '../../../api/queries';
+import type {
+  ComparisonDetail,
+  CycleCurve,
+  Gait,
+  Patient,
+  ProgressMeasure,
+  SessionDetail,
+  WalkMeasure,
+} from '../../../api/types';
 import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
 import { Answer } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
@@ -9,6 +17,7 @@ import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
 import { dateTime, number, quantity } from '../../../lib/format';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
+import { CurvesSheet } from '../../../pages/report/CurvesSheet';
 import { Sheet } from '../../../pages/report/Sheet';
 import { verdict, verdictText } from '../../../pages/report/SummarySheet';
 
@@ -35,7 +44,13 @@ export function mainOf(measures: readonly ProgressMeasure[]): ProgressMeasure | 
   return measures.find((one) => one.points.length > 0) ?? null;
 }
 
-function Summary({ session, patient, gait, measures }: Walked & { measures: readonly ProgressMeasure[] }) {
+function Summary({
+  session,
+  patient,
+  gait,
+  measures,
+  comparison,
+}: Walked & { measures: readonly ProgressMeasure[]; comparison: ComparisonDetail | null }) {
   const main = mainOf(measures);
   const here = main?.points.find((one) => one.session_id === session.id) ?? main?.points.at(-1) ?? null;
   const test = gait.test ?? null;
@@ -150,6 +165,16 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
         </table>
       )}
       <p className="paper-note">{t('walkReport.help')}</p>
+      {comparison && (
+        <>
+          <h3>{t('compare.withStrides', { name: comparison.template_name, count: comparison.repetition_count })}</h3>
+          <ul className="paper-findings">
+            {comparison.findings.map((finding) => (
+              <li key={finding}>{finding}</li>
+            ))}
+          </ul>
+        </>
+      )}
       {reasons.length > 0 && (
         <>
           <h3>{t('walkReport.doubts')}</h3>
@@ -255,6 +280,12 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
 export function WalkSheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
   const gait = useGait(session.id);
   const progress = useProgress(patient.id, session.exercise_id ?? null);
+  const comparisons = useComparisons(session.id);
+  const of =
+    (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;
+  const found = useComparison(of?.id ?? null);
+  const comparison = found.data ?? null;
+  const hasStrides = comparison !== null && comparison.repetitions.length > 0;
   return (
     <Answer of={gait} lines={8} height={40}>
       {(walk) => {
@@ -266,9 +297,23 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
               patient={patient}
               gait={walk}
               measures={(progress.data?.measures ?? []).filter((one) => one.measure.startsWith('walk:'))}
+              comparison={comparison}
             />
             {names.length > 0 && <Curves session={session} patient={patient} gait={walk} names={names} />}
-            <Method session={session} patient={patient} gait={walk} page={names.length > 0 ? 3 : 2} />
+            {hasStrides && (
+              <CurvesSheet
+                session={session}
+                patient={patient}
+                comparison={comparison}
+                page={names.length > 0 ? 3 : 2}
+              />
+            )}
+            <Method
+              session={session}
+              patient={patient}
+              gait={walk}
+              page={2 + Number(names.length > 0) + Number(hasStrides)}
+            />
           </div>
         );
       }}

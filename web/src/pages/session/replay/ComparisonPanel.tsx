@@ -12,6 +12,7 @@ import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
 import { outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
+import { limbOf } from '../../../lib/placements';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
 
 export interface ComparisonPanelProps {
@@ -242,7 +243,10 @@ export function ComparisonPanel({
     <div className="stack">
       <div>
         <p className="muted small">
-          {t('compare.with', { name: comparison.template_name, count: comparison.repetition_count })}
+          {t(limbOf(comparison.curves[0]?.channel) === 'foot' ? 'compare.withStrides' : 'compare.with', {
+            name: comparison.template_name,
+            count: comparison.repetition_count,
+          })}
         </p>
         <ul className="findings">
           {comparison.findings.map((finding) => (

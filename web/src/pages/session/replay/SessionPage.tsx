@@ -73,6 +73,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     [snapshot.columns, session.layout.scalars],
   );
   const repetitions = useMemo(() => comparison?.repetitions.map((one) => one.repetition) ?? [], [comparison]);
+  const compared = useMemo(() => comparison?.curves.map((one) => one.channel) ?? [], [comparison]);
   const templateAt = useMemo(
     () =>
       comparison && ghost.ghost
@@ -109,7 +110,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     [comparison, player],
   );
   const kind = kindOf(session);
-  const { UnderPicture, tab: own, angles: angleTitle } = partsOf(session).replay;
+  const { UnderPicture, tab: own, angles: angleTitle, Curves } = partsOf(session).replay;
   const hasCompare = kind.isCompared;
   const markers = useMarkers(session.id);
   const fused = useMemo(() => (markers.data ?? []).filter((one) => one.report !== null), [markers.data]);
@@ -141,12 +142,11 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           />
           <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
           {marked ? <MarkerLegend /> : UnderPicture && <UnderPicture session={session} />}
-          {comparison && !marked && (
+          {comparison && !marked && shown?.has_ghost !== false && (
             <div className="ghost-tools">
               <Switch
                 label={t('replay.ghost')}
                 checked={ghost.ghost}
-                disabled={shown?.has_ghost === false}
                 onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })}
               />
               <Switch
@@ -192,14 +192,27 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             />
           </Tabs.Panel>
           <Tabs.Panel value="angles">
-            <h2 className="visually-hidden">{t('traces.title')}</h2>
-            <div className="card-head">
-              <p className="muted small">{comparison ? t('replay.curvesWithTemplate') : t('replay.curves')}</p>
-              <span className="end">
-                <ChannelPicker available={angles} value={channels} onChange={setChosen} />
-              </span>
-            </div>
-            <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
+            <h2 className="visually-hidden">{angleTitle?.()}</h2>
+            {Curves ? (
+              <Curves
+                session={session}
+                resultId={resultId}
+                player={player}
+                onSeek={seek}
+                templateAt={templateAt}
+                compared={compared}
+              />
+            ) : (
+              <>
+                <div className="card-head">
+                  <p className="muted small">{comparison ? t('replay.curvesWithTemplate') : t('replay.curves')}</p>
+                  <span className="end">
+                    <ChannelPicker available={angles} value={channels} onChange={setChosen} />
+                  </span>
+                </div>
+                <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
+              </>
+            )}
           </Tabs.Panel>
           <Tabs.Panel value="mass">
             <MassPanel sessionId={session.id} resultId={resultId} player={player} channels={mass} onSeek={seek} />

@@ -2,6 +2,7 @@
 import { Button, Switch } from '@mantine/core';
 import { useState } from 'react';
 import type { PhaseCurve } from '../../../api/types';
+import { limbOf } from '../../../lib/placements';
 import { t } from '../../../i18n';
 import { pickCurves } from '../../../lib/assessment/comparison';
 import type { Draft } from '../../../lib/assessment/design';
@@ -33,7 +34,7 @@ export function CurveList({ curves, primary, draft, selected, onSelect, onWatche
     (one, index) => showsAll || index < SHOWN_FIRST || one.channel === selected || isChanged(one.channel),
   );
   const state = (channel: string) => {
-    if (channel === primary) return t('design.isMain');
+    if (channel === primary) return t(limbOf(channel) === 'foot' ? 'design.isMainCurve' : 'design.isMain');
     if (draft.watched.includes(channel)) return t('design.isWatched');
     return channel in draft.bands || channel in draft.loose ? t('design.isDrawn') : t('design.isRecorded');
   };

@@ -43,6 +43,9 @@ function suggested(draft: Draft, mean: readonly (number | null)[]): Draft {
   );
 }
 
+/** Whether somebody can follow it live, with cues and stops; strides are compared afterwards only. */
+const isGuided = (version: TemplateVersionDetail) => version.is_guided !== false;
+
 /** The curve with its phases, and the list of curves beside it. */
 function Drawing({
   version,
@@ -108,7 +111,7 @@ function Drawing({
               onDraft((now) => withSplit(now, at, t('design.phaseNumber', { number: now.phases.length + 1 })))
             }
             onRemove={(at) => onDraft((now) => withoutPhase(now, at))}
-            onSuggest={() => onDraft((now) => suggested(now, main.mean))}
+            onSuggest={isGuided(version) ? () => onDraft((now) => suggested(now, main.mean)) : undefined}
           />
           {/* Of a leg no positions are compared, which a reach would scale. */}
           {limbOf(version.primary_channel) === 'arm' && (
@@ -155,13 +158,17 @@ function Editor({
   return (
     <div className="stack">
       <Drawing version={version} draft={draft} onDraft={(change) => setDraft(change)} />
-      <StopRules
-        stops={draft.stops}
-        channels={angles.map((one) => one.channel)}
-        primary={version.primary_channel}
-        onChange={(stops) => setDraft((now) => ({ ...now, stops }))}
-      />
-      <CueRules draft={draft} curves={angles} onChange={(change) => setDraft((now) => ({ ...now, ...change }))} />
+      {isGuided(version) && (
+        <>
+          <StopRules
+            stops={draft.stops}
+            channels={angles.map((one) => one.channel)}
+            primary={version.primary_channel}
+            onChange={(stops) => setDraft((now) => ({ ...now, stops }))}
+          />
+          <CueRules draft={draft} curves={angles} onChange={(change) => setDraft((now) => ({ ...now, ...change }))} />
+        </>
+      )}
       <Weights
         weights={draft.weights}
         measures={version.content.measures ?? []}
@@ -212,7 +219,7 @@ export function EditTemplatePage() {
   return (
     <Page
       title={found ? t('design.title', { name: found.name }) : t('design.open')}
-      lead={t('design.lead')}
+      lead={t(found && !isGuided(found) ? 'design.walkLead' : 'design.lead')}
       crumbs={[
         { to: '/exercises', text: t('nav.exercises') },
         ...(found ? [{ to: exercisePath(found), text: found.name }] : []),

@@ -17,7 +17,8 @@ interface Props {
   onName: (phase: number, name: string) => void;
   onSplit: (phase: number) => void;
   onRemove: (phase: number) => void;
-  onSuggest: () => void;
+  /** Without, there is nothing to suggest. */
+  onSuggest?: () => void;
 }
 
 export function PhaseTable({ curve, draft, selected, onSelect, onBand, onName, onSplit, onRemove, onSuggest }: Props) {
@@ -27,7 +28,7 @@ export function PhaseTable({ curve, draft, selected, onSelect, onBand, onName, o
     <section aria-labelledby="phases">
       <div className="card-head">
         <h3 id="phases">{t('design.phases')}</h3>
-        {draft.phases.length === 1 && !draft.phases[0]?.name && (
+        {onSuggest && draft.phases.length === 1 && !draft.phases[0]?.name && (
           <Button className="end" leftSection={<IconWand size={18} aria-hidden />} onClick={onSuggest}>
             {t('design.suggest')}
           </Button>
@@ -112,7 +113,9 @@ function Limit({
 }) {
   const shown = displayUnit(unit);
   const isLength = unit === 'm';
-  const unitWord = t(isLength ? 'design.unitCm' : 'design.unitDegrees');
+  const isSpeed = unit === 'm/s';
+  const unitWord = t(isLength ? 'design.unitCm' : isSpeed ? 'design.unitSpeed' : 'design.unitDegrees');
+  const decimals = isSpeed ? 2 : 1;
   const away = handle && handle.factor !== null ? handle.factor * handle.width * shown.factor : '';
   return (
     <div className="limit">
@@ -121,15 +124,15 @@ function Limit({
         aria-label={t(edge === 'above' ? 'design.aboveOf' : 'design.belowOf', { phase, unit: unitWord })}
         suffix={shown.suffix}
         min={0}
-        step={isLength ? 0.5 : 1}
-        decimalScale={1}
+        step={isSpeed ? 0.05 : isLength ? 0.5 : 1}
+        decimalScale={decimals}
         allowNegative={false}
         clampBehavior="none"
         disabled={isDisabled || isFree || !handle}
         placeholder={isFree ? t('design.free') : undefined}
-        value={away === '' ? '' : Number(away.toFixed(1))}
+        value={away === '' ? '' : Number(away.toFixed(decimals))}
         onChange={(value) => {
-          if (handle && typeof value === 'number' && Math.abs(value - Number(away)) > 0.05)
+          if (handle && typeof value === 'number' && Math.abs(value - Number(away)) > 0.5 * 10 ** -decimals)
             onFactor(value / shown.factor / handle.width);
         }}
       />
