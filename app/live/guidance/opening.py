@@ -49,7 +49,8 @@ def guide_session(
         if prescribed is not None:
             Guide.prepare()
     except NotGuided as refused:
-        notice = refused.message
+        # It is said once, not again whenever the service restarts.
+        notice = "" if len(session.ledger.durable) else refused.message
     except EstimationError as error:
         logger.warning("session %s cannot be guided: %s", session.id, error)
         trouble = say("guided.cannot")

@@ -99,9 +99,10 @@ def prescribe(
     sets: int = 1,
     stops: tuple[dict[str, Any], ...] = (),
     exercise: ExerciseName = EXERCISE,
+    content: bytes | None = None,
 ) -> str:
     """Store the template and a prescription of it for Ada; returns the prescription."""
-    therapist, content = world.accounts["therapist"], template_bytes(exercise)
+    therapist, content = world.accounts["therapist"], content or template_bytes(exercise)
     with unit_of_work(engine) as session:
         template = Template(
             clinic_id=world.clinic_id,

@@ -1,14 +1,16 @@
 """Strides beside the template of a walk, against simulated truth: what differs is said, in its phase, nothing else."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from app.recordings.compared import Source
+from app.recordings.compared import Cycles, Source
 from estimators.comparison import (
     ComparisonResult,
     Knot,
+    Repetition,
     Template,
     ToleranceCurve,
     compare,
@@ -17,12 +19,16 @@ from estimators.comparison import (
     template_from_bytes,
     template_to_bytes,
 )
+from estimators.conventions import Side
 from estimators.errors import ComparisonError
 from estimators.pipelines import analyse_walk
+from estimators.recording import Recording, SensorSignals
 from estimators.sentences import Sentence
 from estimators.simulation import Bout, Leg, WalkStyle
 
-from .walked import SETUP, both, source, template_of, walked
+from .walked import SETUP, both, compared_as, source, template_of, walked
+
+FEET = Path(__file__).parents[3] / "data" / "feet"
 
 PITCH, HEIGHT, SPEED = foot_channels("right")
 
@@ -208,3 +214,28 @@ def test_one_odd_stride_is_told_by_its_number(template: Template, shown: Source)
     assert str(result.findings[0]).startswith(
         f"Stride {odd.number} was smaller than in the template: foot height"
     )
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_half_of_a_real_walk_is_like_the_other_half(side: str) -> None:
+    content, rate_hz = np.load(FEET / "gaitmap_strides.npz"), 204.8
+    sensors = {}
+    for name in ("left", "right"):
+        gyroscope = content[f"gyroscope_{name}_radps"].astype(float)
+        accelerometer = content[f"accelerometer_{name}_mps2"].astype(float)
+        sensors[f"foot_{name}"] = SensorSignals(np.arange(len(gyroscope)) / rate_hz, gyroscope, accelerometer)
+    walk = compared_as(Recording(sensors, rate_hz))
+    kept = [one for one in walk.judged(side) if one.is_kept]
+    assert len(kept) > 20
+    first, second = kept[: len(kept) // 2], kept[len(kept) // 2 :]
+    template = template_of(replace(walk, cycles=only(walk, side, first)), side)
+    result = beside(template, replace(walk, cycles=only(walk, side, second)))
+    assert codes(result) == ["findings.matched"]
+    assert {one.name: one.value for one in result.summary}["inside_band"] > 90.0
+
+
+def only(walk: Source, side: str, strides: list[Repetition]) -> dict[Side, Cycles]:
+    """Return the cycles of a foot with these strides alone."""
+    assert walk.cycles is not None
+    own: Side = "left" if side == "left" else "right"
+    return {own: replace(walk.cycles[own], repetitions=tuple(strides))}

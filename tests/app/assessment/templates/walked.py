@@ -30,8 +30,14 @@ def walked(style: WalkStyle | None = None, seed: int = 1, **scenario: Any) -> Si
 
 def source(style: WalkStyle | None = None, seed: int = 1, **scenario: Any) -> Source:
     """Return the same, analysed, as what is compared."""
-    found = analyse_walk(walked(style, seed, **scenario).recording, SETUP)
-    result: Any = SimpleNamespace(id="result", session_id="session", setup=SETUP.to_dict())
+    return compared_as(walked(style, seed, **scenario).recording)
+
+
+def compared_as(recording: Recording) -> Source:
+    """Analyse a walk; return it as what is compared."""
+    setup = replace(SETUP, rate_hz=recording.nominal_rate_hz)
+    found = analyse_walk(recording, setup)
+    result: Any = SimpleNamespace(id="result", session_id="session", setup=setup.to_dict())
     return source_of(found.frames, content_of(found), result, (None, None))
 
 

@@ -1,24 +1,15 @@
 import { Button } from '@mantine/core';
-import { IconArrowRight, IconFileText } from '@tabler/icons-react';
+import { IconFileText } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import type { SessionDetail } from '../../api/types';
 import { t } from '../../i18n';
+import { MakeTemplate } from '../MakeTemplate';
 
 /** Make a template from what was recorded, or read its report. */
 export function SessionActions({ session }: { session: SessionDetail }) {
-  const exercise = session.exercise_id ? `&exercise=${session.exercise_id}` : '';
   return (
     <>
-      {session.may_treat && (
-        <Button
-          component={Link}
-          variant="default"
-          to={`/templates/record?session=${session.id}&patient=${session.patient_id}${exercise}`}
-          rightSection={<IconArrowRight size={18} aria-hidden />}
-        >
-          {t('template.makeFromThis')}
-        </Button>
-      )}
+      <MakeTemplate session={session} />
       <Button
         component={Link}
         variant="default"

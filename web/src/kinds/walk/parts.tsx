@@ -4,6 +4,7 @@ import { Traces } from '../../charts/Traces';
 import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
+import { MakeTemplate } from '../MakeTemplate';
 import { BeginWalk } from './BeginWalk';
 import { FootCurves } from './views/FootCurves';
 import { GuidedWalk } from './views/GuidedWalk';
@@ -49,6 +50,11 @@ export const parts: KindParts = {
     tab: { value: 'walk', title: () => t('walk.result'), Panel },
     angles: () => t('walk.curves'),
     Curves: FootCurves,
-    Actions: ({ session }) => <WalkLink sessionId={session.id} />,
+    Actions: ({ session }) => (
+      <>
+        <MakeTemplate session={session} />
+        <WalkLink sessionId={session.id} />
+      </>
+    ),
   },
 };
