@@ -16,7 +16,10 @@ from app.recordings.schemas import UploadIn
 from estimators.simulation import SimulatedWalk, WalkStyle
 from tests.app.assessment.templates.walked import both, walked
 from tests.e2e.conftest import House, Visitor, apart
+from tests.e2e.languages.test_german import fits, german, left_in_english, written_by_people
 from tests.e2e.test_pages import serious, settle
+
+__all__ = ["german"]
 
 WIDTHS = (390, 1024, 1440)
 
@@ -35,7 +38,7 @@ def walks(house: House, tmp_path_factory: pytest.TempPathFactory) -> dict[str, s
     async def upload() -> dict[str, str]:
         async with ServiceClient(house.address) as service:
             await service.sign_in(THERAPIST, PASSWORD)
-            body = {"name": "Walk with high feet", "movement": "walk"}
+            body = {"name": "High feet", "movement": "walk"}
             made: dict[str, Any] = (await service.http.post("/api/exercises", json=body)).json()
             found = {"exercise": str(made["id"])}
             styles = (("shown", WalkStyle(), "template"), ("low", both(clearance_m=0.02), "exercise"))
@@ -103,7 +106,7 @@ def test_the_template_of_a_walk_goes_the_way_of_all_templates(
     page.get_by_role("button", name="Prescribe").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("combobox", name="Exercise").click()
-    page.get_by_role("option", name="Walk with high feet").click()
+    page.get_by_role("option", name="High feet").click()
     expect(dialog.get_by_text("nothing is counted during the walk")).to_be_visible()
     assert serious(visitor) == []
     seen(visitor, "walk-template-prescribe")
@@ -131,3 +134,46 @@ def test_the_template_of_a_walk_goes_the_way_of_all_templates(
     assert serious(visitor) == []
     seen(visitor, "walk-template-report")
     assert visitor.faults_outside_the_view() == []
+
+
+@pytest.mark.parametrize("german", [(THERAPIST, 1440)], indirect=True)
+def test_the_pages_of_a_walks_template_are_german(
+    german: Visitor, house: House, walks: dict[str, str]
+) -> None:
+    page = german.page
+
+    async def compare() -> str:
+        async with ServiceClient(house.address) as service:
+            await service.sign_in(THERAPIST, PASSWORD)
+            body = {
+                "session_id": walks["shown"],
+                "exercise_id": walks["exercise"],
+                "name": "Walk, drawn",
+                "phases": [
+                    {"name": "Stand", "start": 0.0, "end": 0.62},
+                    {"name": "Schwung", "start": 0.62, "end": 1.0},
+                ],
+            }
+            made = (await service.http.post("/api/templates", json=body)).json()
+            answer = await service.http.post(
+                f"/api/sessions/{walks['low']}/comparisons", json={"template_version_id": made["id"]}
+            )
+            assert answer.is_success, answer.text
+            return str(made["id"])
+
+    version_id = apart(compare())
+    for name, path in (
+        ("record", f"/templates/record?session={walks['shown']}&exercise={walks['exercise']}"),
+        ("editor", f"/templates/versions/{version_id}"),
+        ("compare", f"/sessions/{walks['low']}?show=compare"),
+        ("curves", f"/sessions/{walks['low']}?show=angles"),
+        ("report", f"/sessions/{walks['low']}/report"),
+    ):
+        page.goto(house.address + path)
+        settle(german)
+        page.wait_for_load_state("networkidle")
+        page.wait_for_timeout(500)
+        german.picture(f"de-walk-template-{name}")
+        assert left_in_english(page, written_by_people(page, house)) == [], name
+        assert fits(page), name
+    assert german.faults_outside_the_view() == []

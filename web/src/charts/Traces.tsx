@@ -176,7 +176,9 @@ function draw(
   });
   if (chart.value) {
     const suffix = displayUnit(unit).suffix;
-    chart.value.textContent = Number.isFinite(now) ? `${Math.round(now)}${suffix}`.replace('-', '−') : '–';
+    // Of a speed the whole number says nothing.
+    const text = number(now, unit === 'm/s' ? 1 : 0);
+    chart.value.textContent = Number.isFinite(now) ? `${text}${suffix}` : '–';
   }
 }
 

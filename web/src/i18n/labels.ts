@@ -4,7 +4,7 @@ import { t, tOr } from './index';
 
 const ANGLE = /^([a-z]+_[a-z]+)_(?:left|right)_[a-z]{3}_([a-z_]+)$/;
 const POINT = /^([a-z]+)(?:_(?:left|right))?\.([xyz])$/;
-const SCALAR = /^(.*?)(?:_(?:left|right))?_(?:rad|m)$/;
+const SCALAR = /^(.*?)(?:_(?:left|right))?_(?:rad|m|mps)$/;
 
 /** A curve without its side, as the service labels it; null where nothing is known of it. */
 function curve(channel: string): string | null {

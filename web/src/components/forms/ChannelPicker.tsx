@@ -10,10 +10,13 @@ export function ChannelPicker({
   available,
   value,
   onChange,
+  title,
 }: {
   available: readonly string[];
   value: readonly string[];
   onChange: (channels: string[]) => void;
+  /** Of what is no angle. */
+  title?: string;
 }) {
   const toggle = (channel: string) => {
     const next = value.includes(channel) ? value.filter((one) => one !== channel) : [...value, channel];
@@ -23,12 +26,12 @@ export function ChannelPicker({
     <Popover position="bottom-end" withinPortal trapFocus shadow="md" width={330}>
       <Popover.Target>
         <Button variant="default" size="sm" leftSection={<IconAdjustmentsHorizontal size={18} aria-hidden />}>
-          {t('channels.choose')}
+          {title ?? t('channels.choose')}
         </Button>
       </Popover.Target>
       <Popover.Dropdown>
         <fieldset className="fieldset picker">
-          <legend>{t('channels.legend', { most: MOST })}</legend>
+          <legend>{title ?? t('channels.legend', { most: MOST })}</legend>
           {available.map((channel) => (
             <Checkbox
               key={channel}

@@ -9,6 +9,7 @@ export const walking: Translated<typeof english> = {
   'exercise.judgedByWalk': 'Beurteilt nach Zeit und Strecke.',
   'walk.title': 'Der Gang in Zahlen',
   'walk.curves': 'Kurven',
+  'walk.chooseCurves': 'Kurven wählen',
   'walk.curvesHelp':
     'Neigung des Fußes (Zehen nach oben), seine Höhe über der Linie zwischen seinen Auftritten und seine Geschwindigkeit nach vorn.',
   'walk.curvesWithTemplate':

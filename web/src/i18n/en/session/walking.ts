@@ -6,6 +6,7 @@ export const walking = {
   'exercise.judgedByWalk': 'Judged by time and distance.',
   'walk.title': 'Walk in numbers',
   'walk.curves': 'Curves',
+  'walk.chooseCurves': 'Choose curves',
   'walk.curvesHelp':
     'Pitch of the foot (toes up), its height above the line between its footholds, and its forward speed.',
   'walk.curvesWithTemplate':

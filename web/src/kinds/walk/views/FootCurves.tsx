@@ -39,7 +39,7 @@ function Shown({ curves, player, onSeek, templateAt, compared }: CurvesProps & {
       <div className="card-head">
         <p className="muted small">{t(compared.length > 0 ? 'walk.curvesWithTemplate' : 'walk.curvesHelp')}</p>
         <span className="end">
-          <ChannelPicker available={names} value={channels} onChange={setChosen} />
+          <ChannelPicker available={names} value={channels} onChange={setChosen} title={t('walk.chooseCurves')} />
         </span>
       </div>
       {compared.length > 0 && <PhaseLegend withOutside={false} patient />}
