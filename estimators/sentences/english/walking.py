@@ -85,6 +85,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "shoes.loads_alike": "These loads do not separate the channels. Push along x, y and z, both ways and off centre.",
     "shoes.time_bases": "The sensors of a shoe are on different time bases. Resample them to one.",
     "shoes.uneven": "The samples of a shoe are not even. Resample them to a common rate.",
+    "stride.missing": "Samples are missing in or beside this stride.",
+    "stride.aloft": "The foot moved too long without standing; its way is not known.",
+    "stride.long": "Far longer than the strides around it: a halt, or a stance that was not found.",
+    "stride.sideways": "A step aside or back.",
+    "stride.last": "The last stride before standing still.",
+    "stride.turning": "Walked along a turn.",
+    "stride.unsteady": "Not steady or not straight.",
 }
 
 __all__ = ["ENGLISH"]

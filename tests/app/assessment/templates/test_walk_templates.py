@@ -141,6 +141,8 @@ def test_a_prescribed_walk_is_compared_when_it_is_analysed(
     kept = [stride for stride in found["repetitions"] if stride["repetition"]["is_kept"]]
     assert len(kept) >= 5
     assert all(list(stride["outside_band"]) == [HEIGHT] for stride in kept)
+    last = next(one["repetition"] for one in found["repetitions"] if not one["repetition"]["is_kept"])
+    assert last["sentences"]["reason"]["code"] == "stride.last", "it can be said in every language"
     measured = {one["measure"]: one for one in found["summary"]}
     assert measured["duration_ratio"]["value"] == pytest.approx(1.0, abs=0.02)
     assert measured[f"range:{HEIGHT}"]["unit"] == "m"
