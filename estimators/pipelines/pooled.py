@@ -142,6 +142,39 @@ def columns(ticks: int, layout: FrameLayout) -> Columns:
     )
 
 
+def chunk_of(
+    shape: tuple[int, float, int, int, int],
+    signals: Float,
+    quality: NDArray[np.uint8],
+    carried: Float,
+    fields: Mapping[str, slice],
+) -> ImuChunk:
+    """Return a copy of a stretch's samples as a chunk; pipelines may hold on to it, while the room is written anew.
+
+    Parameters
+    ----------
+    shape : tuple
+        First tick, seconds of a tick, ticks, sensors and channels.
+    signals, quality, carried : ndarray
+        As of `Pool.step`, from the first value of the stretch on.
+    fields : mapping of str to slice
+        Fields of `ImuChunk` that come beside motion, and their columns.
+    """
+    first_tick, time_step_s, ticks, sensors, channels = shape
+    samples, width = sensors * ticks, sum(part.stop - part.start for part in fields.values())
+    found = signals[: 3 * channels * samples].reshape(channels, sensors, ticks, 3).copy()
+    beside = carried[: width * samples].reshape(sensors, ticks, width)
+    return ImuChunk(
+        first_tick,
+        time_step_s,
+        found[0],
+        found[1],
+        found[2] if channels == 3 else None,
+        quality[:samples].reshape(sensors, ticks).copy(),
+        **{name: _values(beside[:, :, part]) for name, part in fields.items()},
+    )
+
+
 _SHOWN: Final = (
     "point_room_m",
     "angle_rad",
@@ -201,20 +234,12 @@ class StepPool:
         ):
             if not ticks or slot in self.errors:
                 continue
-            samples = self._sensors * ticks
-            found = signals[signals_at : signals_at + 3 * self._channels * samples]
-            # Pipelines may hold on to what they are given; the room is written anew in the next turn.
-            found = found.reshape(self._channels, self._sensors, ticks, 3).copy()
-            beside = carried[self._width * quality_at : self._width * (quality_at + samples)]
-            beside = beside.reshape(self._sensors, ticks, self._width)
-            chunk = ImuChunk(
-                first_tick,
-                self._time_step_s,
-                found[0],
-                found[1],
-                found[2] if self._channels == 3 else None,
-                quality[quality_at : quality_at + samples].reshape(self._sensors, ticks).copy(),
-                **{name: _values(beside[:, :, part]) for name, part in self._carried.items()},
+            chunk = chunk_of(
+                (first_tick, self._time_step_s, ticks, self._sensors, self._channels),
+                signals[signals_at:],
+                quality[quality_at:],
+                carried[self._width * quality_at :],
+                self._carried,
             )
             try:
                 frames = self._pipelines[slot].step(chunk)
@@ -244,4 +269,4 @@ def _values(beside: Float) -> Float:
     return beside.copy() if beside.shape[2] > 1 else beside[:, :, 0].copy()
 
 
-__all__ = ["STRETCH", "Columns", "Pool", "StepPool", "columns"]
+__all__ = ["STRETCH", "Columns", "Pool", "StepPool", "chunk_of", "columns"]

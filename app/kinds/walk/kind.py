@@ -1,7 +1,7 @@
 """What a walk supplies; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -17,9 +17,11 @@ from app.recordings.compared import Source
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators import pipelines
+from estimators.compiling import Kernel
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.orientation import DEFAULT
 from estimators.pipelines import FEET, GaitPipeline, SessionSetup
+from estimators.pipelines.walk.pooled_kernel import step_walks
 from estimators.recording import Recording
 
 
@@ -50,12 +52,13 @@ class WalkKind(SessionKind):
         return as_feet(recording)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
-        """Stand, without and with load cells."""
+        """Stand, without and with load cells; then make ready what takes many walks together."""
         for feet in (FEET, SHOE_PLACEMENTS):
             walk = pipelines.create(SessionSetup(self.pipeline.name, feet, 100.0))
             forces = np.zeros((len(feet), 5, 3))
             for chunk in still(len(feet), 400):
                 walk.step(replace(chunk, force_n=forces, moment_nm=forces))
+        cast(Kernel, step_walks).prepare()
 
 
 KIND: Final = WalkKind()

@@ -28,6 +28,7 @@ from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
 from estimators.pipelines.pooled import STRETCH, Pool, StepPool
 from estimators.pipelines.relative.pool import RelativePool
+from estimators.pipelines.walk.pool import WalkPool
 
 SESSIONS: Final = 128
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
@@ -37,7 +38,7 @@ CORES: Final = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") 
 """With one a thread that estimates would only take the loop's time."""
 ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
-KINDS: Final[tuple[type[Pool], ...]] = (ArmPool, RelativePool, StepPool)
+KINDS: Final[tuple[type[Pool], ...]] = (ArmPool, RelativePool, WalkPool, StepPool)
 """Of pools, those with a compiled step first; the last takes any pipeline."""
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
 _PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}

@@ -19,7 +19,7 @@ YAW_UNKNOWN_RAD: Final = math.pi / math.sqrt(3.0)
 """Standard deviation of an angle of which nothing is known."""
 # Ticks missing in a row; variances lost along the floor, up and about the vertical; where this stretch began (3);
 # whether a place was ever lost; mean of the way misplaced so far (2), and in the axes of this stretch (2).
-_RUN, _ALONG2, _UP2, _YAW2, _ORIGIN, _LOST, _MEAN, _TURNED, MEMORY = 0, 1, 2, 3, 4, 7, 8, 10, 12
+RUN, ALONG2, UP2, YAW2, ORIGIN, LOST, MEAN, TURNED, MEMORY = 0, 1, 2, 3, 4, 7, 8, 10, 12
 
 
 def lost_yaw_rad(gap_s: float, parameters: FootParameters) -> float:
@@ -119,7 +119,7 @@ class LostPlace:
     @property
     def is_lost(self) -> bool:
         """Whether a place was ever lost, or a gap runs."""
-        return bool(self.memory[_LOST] or self.memory[_RUN])
+        return bool(self.memory[LOST] or self.memory[RUN])
 
     def widen(
         self, position_m: Float, sigma: Float, is_missing: Bool, first: int, with_field: dict[int, bool]
@@ -140,7 +140,7 @@ class LostPlace:
         m, flags = self.memory, np.zeros(len(is_missing), dtype=np.uint8)
         if not (self.is_lost or is_missing.any()):
             return flags
-        gap = gap_lengths(is_missing, int(m[_RUN]))
+        gap = gap_lengths(is_missing, int(m[RUN]))
         begins = set(np.flatnonzero(~is_missing & (gap >= self._least)).tolist())
         starts = sorted({0} | begins)
         for start, stop in zip(starts, [*starts[1:], len(gap)], strict=True):
@@ -150,20 +150,20 @@ class LostPlace:
             piece = slice(start, stop)
             in_gap = np.where(is_missing[piece], gap[piece], 0) * self._step_s
             spread = sigma[piece]
-            bent = 0.5 * self._bent2(position_m[piece, :2]) if m[_LOST] else 0.0
+            bent = 0.5 * self._bent2(position_m[piece, :2]) if m[LOST] else 0.0
             spread[:, :2] = np.sqrt(
                 spread[:, :2] ** 2
-                + (m[_ALONG2] + bent + (self._parameters.lost_speed_mps * in_gap) ** 2)[:, None]
+                + (m[ALONG2] + bent + (self._parameters.lost_speed_mps * in_gap) ** 2)[:, None]
             )
             spread[:, 2] = np.sqrt(
-                spread[:, 2] ** 2 + m[_UP2] + (self._parameters.lost_climb_mps * in_gap) ** 2
+                spread[:, 2] ** 2 + m[UP2] + (self._parameters.lost_climb_mps * in_gap) ** 2
             )
             yaw = np.minimum(self._parameters.lost_turn_radps * in_gap, YAW_UNKNOWN_RAD)
-            grown = np.sqrt(spread[:, at.SIGMA_HEADING] ** 2 + m[_YAW2] + yaw**2)
+            grown = np.sqrt(spread[:, at.SIGMA_HEADING] ** 2 + m[YAW2] + yaw**2)
             spread[:, at.SIGMA_HEADING] = np.minimum(grown, YAW_UNKNOWN_RAD)
-            is_lost = (m[_LOST] > 0.0) | (in_gap >= self._least * self._step_s)
+            is_lost = (m[LOST] > 0.0) | (in_gap >= self._least * self._step_s)
             flags[piece] |= is_lost * np.uint8(FootFlag.PLACE_LOST)
-        m[_RUN] = gap[-1] if is_missing[-1] else 0.0
+        m[RUN] = gap[-1] if is_missing[-1] else 0.0
         return flags
 
     def _bent2(self, place_m: Float) -> Float:
@@ -173,26 +173,28 @@ class LostPlace:
         E|A + (u - 1) d|^2 - E|A|^2 = 2 |d|^2 (1 - E u) + 2 Re((E[A u*] - E[A]) d*).
         """
         m = self.memory
-        way = place_m - m[_ORIGIN : _ORIGIN + 2]
-        together = way @ (m[_TURNED : _TURNED + 2] - m[_MEAN : _MEAN + 2])
-        return np.asarray(-2.0 * math.expm1(-0.5 * m[_YAW2]) * np.sum(way**2, axis=1) + 2.0 * together)
+        way = place_m - m[ORIGIN : ORIGIN + 2]
+        turned = m[TURNED : TURNED + 2] - m[MEAN : MEAN + 2]
+        # In plain steps, which compiled code repeats with the same bits.
+        together = way[:, 0] * turned[0] + way[:, 1] * turned[1]
+        return np.asarray(-2.0 * math.expm1(-0.5 * m[YAW2]) * np.sum(way**2, axis=1) + 2.0 * together)
 
     def _begin(self, position_m: Float, gap_s: float, has_field: bool) -> None:
         m, c = self.memory, self._parameters
-        if m[_LOST]:
-            way, less = position_m[:2] - m[_ORIGIN : _ORIGIN + 2], -math.expm1(-0.5 * m[_YAW2])
-            m[_ALONG2] += 0.5 * float(self._bent2(position_m[None, :2])[0])
-            m[_MEAN : _MEAN + 2] -= less * way
-            m[_TURNED : _TURNED + 2] += less * way
+        if m[LOST]:
+            way, less = position_m[:2] - m[ORIGIN : ORIGIN + 2], -math.expm1(-0.5 * m[YAW2])
+            m[ALONG2] += 0.5 * float(self._bent2(position_m[None, :2])[0])
+            m[MEAN : MEAN + 2] -= less * way
+            m[TURNED : TURNED + 2] += less * way
         yaw2 = lost_yaw_rad(gap_s, c) ** 2
-        m[_TURNED : _TURNED + 2] *= math.exp(-0.5 * yaw2)
+        m[TURNED : TURNED + 2] *= math.exp(-0.5 * yaw2)
         if has_field:
-            m[_TURNED : _TURNED + 2] = m[_MEAN : _MEAN + 2]
-        m[_ALONG2] += (c.lost_speed_mps * gap_s) ** 2
-        m[_UP2] += (c.lost_climb_mps * gap_s) ** 2
-        m[_YAW2] = 0.0 if has_field else m[_YAW2] + yaw2
-        m[_ORIGIN : _ORIGIN + 3] = position_m
-        m[_LOST] = 1.0
+            m[TURNED : TURNED + 2] = m[MEAN : MEAN + 2]
+        m[ALONG2] += (c.lost_speed_mps * gap_s) ** 2
+        m[UP2] += (c.lost_climb_mps * gap_s) ** 2
+        m[YAW2] = 0.0 if has_field else m[YAW2] + yaw2
+        m[ORIGIN : ORIGIN + 3] = position_m
+        m[LOST] = 1.0
 
 
 __all__ = ["MEMORY", "LostPlace", "begin_anew", "gap_lengths", "long_gap_ticks", "lost_yaw_rad"]

@@ -10,9 +10,11 @@ from estimators.balance import MassCentreParameters
 from estimators.balance import _live_balance_kernel as balance
 from estimators.balance._stability import SOLE_HALF_WIDTH_M
 from estimators.conventions import GRAVITY_MPS2
+from estimators.kernels.slots import into_row
 from estimators.kinetics import ShoeGeometry
 from estimators.kinetics import _live_shoes_kernel as shoe
 from estimators.pipelines.walk.released_kernel import Shoes
+from estimators.pipelines.walk.rows import Queue, WalkRows, queue_room
 from estimators.recording import Float
 
 _APART_SIGMA_M: Final = {True: 0.01, False: 0.04}
@@ -37,6 +39,8 @@ class LiveShoes:
         Whether somebody measured how far the feet stand apart at the start.
     ahead_ticks : int
         How far the forces are always known beyond what is released of the feet.
+    delay_ticks : int
+        Most ticks between a sample and its release.
     geometry : ShoeGeometry, optional
     """
 
@@ -49,6 +53,7 @@ class LiveShoes:
         *,
         is_apart_measured: bool,
         ahead_ticks: int,
+        delay_ticks: int,
         geometry: ShoeGeometry | None = None,
     ) -> None:
         size, noise = geometry or ShoeGeometry(), MassCentreParameters()
@@ -81,7 +86,7 @@ class LiveShoes:
         self._shoes = np.zeros((2, shoe.SHOE))
         self._memory = np.zeros(balance.MEMORY)
         self._x, self._p = np.zeros((2, balance.STATES)), np.zeros((balance.STATES, balance.STATES))
-        self._loads = np.empty((2, 0, shoe.LOADS))
+        self._loads = Queue(np.zeros(queue_room(2, delay_ticks, shoe.LOADS)), np.zeros(2, dtype=np.int64))
 
     def take(self, force_n: Float | None, moment_nm: Float | None, ticks: int) -> None:
         """Take the loads of the next ticks, shape (4, K, 3): left heel and forefoot, right heel and forefoot.
@@ -92,12 +97,12 @@ class LiveShoes:
             Sensor axes; None where no sensor sent any: missing.
         ticks : int
         """
+        new = self._loads.append(ticks)
         if force_n is None or moment_nm is None:
-            new = np.full((2, ticks, shoe.LOADS), np.nan)
+            new[...] = np.nan
         else:
             cells = (force_n[_HEELS], moment_nm[_HEELS], force_n[_FOREFEET], moment_nm[_FOREFEET])
-            new = np.concatenate(cells, axis=2)
-        self._loads = np.concatenate([self._loads, new], axis=1)
+            np.concatenate(cells, axis=2, out=new)
 
     @property
     def shoes(self) -> Shoes:
@@ -107,17 +112,31 @@ class LiveShoes:
     @property
     def loads(self) -> Float:
         """Of the ticks that are not released, shape (2, K, LOADS)."""
-        return self._loads
+        return np.ascontiguousarray(self._loads.values)
 
     def released(self, ticks: int) -> None:
         """Forget the loads of the ticks that were released."""
-        self._loads = np.ascontiguousarray(self._loads[:, ticks:])
+        self._loads.drop(ticks)
+
+    def go_on_over(self, rows: WalkRows, slot: int) -> None:
+        """Hold everything in a session's rows of a pool from now on."""
+        rows.shoe_settings[slot], rows.balance_settings[slot] = self._shoe_settings, self._settings
+        self._shoes = into_row(self._shoes, rows.shoes[2 * slot : 2 * slot + 2])
+        self._memory = into_row(self._memory, rows.balance_memory[slot])
+        self._x, self._p = into_row(self._x, rows.x[slot]), into_row(self._p, rows.p[slot])
+        self._loads.go_on_in(rows.loads[slot], rows.loads_place[slot])
+
+    def own(self) -> None:
+        """Hold everything in arrays of its own again."""
+        self._shoes, self._memory = self._shoes.copy(), self._memory.copy()
+        self._x, self._p = self._x.copy(), self._p.copy()
+        self._loads.own()
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next call depends on."""
         return {
             "shoe_memory": self._shoes.copy(),
-            "shoe_loads": self._loads.copy(),
+            "shoe_loads": self._loads.values.copy(),
             "balance_memory": self._memory.copy(),
             "balance_x": self._x.copy(),
             "balance_p": self._p.copy(),
@@ -125,7 +144,8 @@ class LiveShoes:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
-        self._shoes, self._loads = np.array(state["shoe_memory"]), np.array(state["shoe_loads"])
+        self._shoes = np.array(state["shoe_memory"])
+        self._loads.refill(state["shoe_loads"])
         self._memory = np.array(state["balance_memory"])
         self._x, self._p = np.array(state["balance_x"]), np.array(state["balance_p"])
 

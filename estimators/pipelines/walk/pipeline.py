@@ -16,6 +16,7 @@ from estimators.gait import (
     FootTracker,
     LiveStepTracker,
 )
+from estimators.gait.foot.live.rows import PIECE_TICKS
 from estimators.kinetics import ShoeGeometry
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
@@ -27,6 +28,7 @@ from estimators.pipelines.walk.layout import (
 )
 from estimators.pipelines.walk.live_shoes import LiveShoes
 from estimators.pipelines.walk.released_kernel import Feet, write_feet, write_shoes
+from estimators.pipelines.walk.rows import Queue, queue_room
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 
@@ -83,13 +85,20 @@ class GaitPipeline(Pipeline):
         ends = np.cumsum([0, 4 * feet, 3 * points, len(self._layout.scalars), feet, 3 * feet, 3 * points])
         self._columns = [slice(*pair) for pair in pairwise(ends.tolist())]
         """Of a waiting row: orientations, points, scalars, flags, sigmas of both."""
-        self._waiting = np.tile(self._nothing(), (self._tracker.delay_ticks, 1))
+        delay_ticks, width = self._tracker.delay_ticks, int(ends[-1])
+        self._waiting = Queue(np.zeros(queue_room(1, delay_ticks, width)), np.zeros(2, dtype=np.int64))
         """Released and not yet shown; before the first released tick there is nothing to show."""
+        self._waiting.append(delay_ticks)[...] = self._nothing()
 
     @property
     def layout(self) -> FrameLayout:
         """Column names of every `Frames` this pipeline gives."""
         return self._layout
+
+    @property
+    def width(self) -> int:
+        """Numbers of a row that waits."""
+        return int(self._columns[-1].stop)
 
     @property
     def setup(self) -> SessionSetup:
@@ -103,6 +112,11 @@ class GaitPipeline(Pipeline):
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
+        if chunk.tick_count > PIECE_TICKS:
+            starts = range(0, chunk.tick_count, PIECE_TICKS)
+            return Frames.join(
+                [self.step(chunk.ticks(a, min(a + PIECE_TICKS, chunk.tick_count))) for a in starts]
+            )
         rows, ticks = self._worn_rows(chunk), chunk.tick_count
         if self._setup.devices:
             chunk = calibration.correct(
@@ -124,8 +138,9 @@ class GaitPipeline(Pipeline):
             else:
                 self._shoes.take(force[rows], moment[rows], ticks)
         if flags.shape[1]:
-            self._waiting = np.concatenate([self._waiting, self._released(values, flags)])
-        shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
+            self._write(values, flags)
+        shown = self._waiting.values[0, :ticks].copy()
+        self._waiting.drop(ticks)
         q, points, scalars, flag, sigmas, point_sigmas = self._columns
         feet, places = len(self._feet), len(self._layout.points)
         return frames_of(
@@ -160,16 +175,15 @@ class GaitPipeline(Pipeline):
             ]
         )
 
-    def _released(self, values: Float, flags: NDArray[np.uint8]) -> Float:
-        """Return the rows of what the tracker gave away."""
-        rows = np.empty((flags.shape[1], self._waiting.shape[1]))
+    def _write(self, values: Float, flags: NDArray[np.uint8]) -> None:
+        """Let the rows of what the tracker gave away wait."""
+        rows = self._waiting.append(flags.shape[1])[0]
         feet = Feet(self._heels, self._steps.right, self._steps.settings, self._steps.memory, self._offset_m)
         if self._shoes is None:
             write_feet(values, flags, feet, rows)
         else:
             write_shoes(values, flags, feet, self._shoes.loads, self._shoes.shoes, rows)
             self._shoes.released(len(rows))
-        return rows
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: where a sensor sits on the foot is found from the walk."""
@@ -177,12 +191,12 @@ class GaitPipeline(Pipeline):
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""
-        own = self._steps.state() | {"waiting": self._waiting.copy()}
+        own = self._steps.state() | {"waiting": self._waiting.values[0].copy()}
         return self._tracker.state() | own | ({} if self._shoes is None else self._shoes.state())
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
-        self._waiting = np.array(state["waiting"])
+        self._waiting.refill(state["waiting"][None])
         self._steps.restore(state)
         if self._shoes is not None:
             self._shoes.restore(state)
@@ -237,6 +251,7 @@ def _live_shoes(setup: SessionSetup, tracker: FootTracker) -> LiveShoes:
         CENTRE_PER_STATURE * setup.body.stature_m,
         is_apart_measured=setup.feet_apart_m is not None,
         ahead_ticks=max(0, min(round(_AHEAD_S * setup.rate_hz), behind)),
+        delay_ticks=tracker.delay_ticks,
     )
 
 

@@ -95,6 +95,8 @@ _F1, _F2, _F3 = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
 _FLAGS = types.uint8[:, ::1]
 _FEET = bundle(Feet, types.int64[::1], _FLAGS, _F1, _F2, _F2)
 _SHOES = bundle(Shoes, _F1, _F2, _F1, _F1, _F2, _F2)
+WRITE_FEET: Final = VOID(_F3, _FLAGS, _FEET, _F2)
+WRITE_SHOES: Final = VOID(_F3, _FLAGS, _FEET, _F3, _SHOES, _F2)
 
 
 @step()
@@ -188,7 +190,7 @@ def _write_common(
             _write_level(values[s, k, _PLACE_SIGMA:_TURN_SIGMA], row[b : b + 3])
 
 
-@compiled(VOID(_F3, _FLAGS, _FEET, _F2))
+@compiled(WRITE_FEET)
 def write_feet(values: Float, flags: NDArray[np.uint8], feet: Feet, rows: Float) -> None:
     """Write rows of feet that are each in a world of their own.
 
@@ -263,7 +265,7 @@ def _felt(
     return balanced
 
 
-@compiled(VOID(_F3, _FLAGS, _FEET, _F3, _SHOES, _F2))
+@compiled(WRITE_SHOES)
 def write_shoes(
     values: Float, flags: NDArray[np.uint8], feet: Feet, loads: Float, shoes: Shoes, rows: Float
 ) -> None:
@@ -312,4 +314,4 @@ def write_shoes(
     _write_common(values, flags, stepped, feet, scalars, rows)
 
 
-__all__ = ["Feet", "Shoes", "write_feet", "write_shoes"]
+__all__ = ["WRITE_FEET", "WRITE_SHOES", "Feet", "Shoes", "write_feet", "write_shoes"]

@@ -30,14 +30,24 @@ _NO_STANCE: Final = int(FootFlag.NO_STANCE)
 _F1, _F3 = types.float64[::1], types.float64[:, :, ::1]
 _SAMPLES: Final = types.Array(types.float64, 3, "A", readonly=True)
 
+TAKE: Final = types.boolean(
+    FOOT_ROWS, types.int64, _SAMPLES, _SAMPLES, _SAMPLES, types.Array(types.uint8, 2, "A", readonly=True)
+)
+RELEASE: Final = VOID(
+    FOOT_ROWS, types.int64, SIZES, types.float64, types.float64, _F1, _F1, _F1, _F1, _F3, types.uint8[:, ::1]
+)
+
 
 @step()
-def _are_ordinary(rows: FootRows, gyroscope: Float, force: Float, quality: NDArray[np.uint8]) -> bool:
+def _are_ordinary(
+    rows: FootRows, first: int, gyroscope: Float, force: Float, quality: NDArray[np.uint8]
+) -> bool:
     """Say whether every foot has begun, and nothing buffered or new is flawed."""
     feet, ticks = quality.shape
     if ticks > PIECE_TICKS:
         return False
-    for s in range(feet):
+    for n in range(feet):
+        s = first + n
         x = rows.foot[s]
         if (
             x.first < 0
@@ -51,8 +61,8 @@ def _are_ordinary(rows: FootRows, gyroscope: Float, force: Float, quality: NDArr
         for k in range(ticks):
             total = 0.0
             for a in range(3):
-                total += gyroscope[s, k, a] + force[s, k, a]
-            if quality[s, k] != 0 or not math.isfinite(total):
+                total += gyroscope[n, k, a] + force[n, k, a]
+            if quality[n, k] != 0 or not math.isfinite(total):
                 return False
     return True
 
@@ -72,24 +82,32 @@ def _to_front(s: int, rows: FootRows) -> None:
     x.place = 0
 
 
-@compiled(
-    types.boolean(FOOT_ROWS, _SAMPLES, _SAMPLES, _SAMPLES, types.Array(types.uint8, 2, "A", readonly=True))
-)
-def take(rows: FootRows, gyroscope: Float, force: Float, field: Float, quality: NDArray[np.uint8]) -> bool:
-    """Append the next samples of all feet; False, and nothing changed, where they or a foot are not as usual.
+@compiled(TAKE)
+def take(
+    rows: FootRows,
+    first: int,
+    gyroscope: Float,
+    force: Float,
+    field: Float,
+    quality: NDArray[np.uint8],
+) -> bool:
+    """Append the next samples of some feet; False, and nothing changed, where they or a foot are not as usual.
 
     Parameters
     ----------
     rows : FootRows
+    first : int
+        Row of the first of S feet.
     gyroscope, force : ndarray, shape (S, K, 3)
     field : ndarray, shape (S, K, 3) or (0, 0, 3)
     quality : ndarray of uint8, shape (S, K)
         `SampleQuality` bits.
     """
-    if not _are_ordinary(rows, gyroscope, force, quality):
+    if not _are_ordinary(rows, first, gyroscope, force, quality):
         return False
     feet, ticks = quality.shape
-    for s in range(feet):
+    for n in range(feet):
+        s = first + n
         x = rows.foot[s]
         end = x.place + x.stop - x.origin
         if end + ticks > rows.kind.shape[1]:
@@ -99,14 +117,14 @@ def take(rows: FootRows, gyroscope: Float, force: Float, field: Float, quality: 
             has_field = field.shape[0] > 0
             if has_field:
                 for a in range(3):
-                    has_field &= math.isfinite(field[s, k, a])
+                    has_field &= math.isfinite(field[n, k, a])
             for a in range(3):
-                rows.gyroscope[s, end + k, a] = gyroscope[s, k, a]
-                rows.force[s, end + k, a] = force[s, k, a]
-                rows.field[s, end + k, a] = field[s, k, a] if has_field else 0.0
-                rows.largest[s, 0] = max(rows.largest[s, 0], abs(gyroscope[s, k, a]))
-                rows.largest[s, 1] = max(rows.largest[s, 1], abs(force[s, k, a]))
-                rows.last_good[s, a] = force[s, k, a]
+                rows.gyroscope[s, end + k, a] = gyroscope[n, k, a]
+                rows.force[s, end + k, a] = force[n, k, a]
+                rows.field[s, end + k, a] = field[n, k, a] if has_field else 0.0
+                rows.largest[s, 0] = max(rows.largest[s, 0], abs(gyroscope[n, k, a]))
+                rows.largest[s, 1] = max(rows.largest[s, 1], abs(force[n, k, a]))
+                rows.last_good[s, a] = force[n, k, a]
             rows.kind[s, end + k] = FIELD if has_field else 0
         x.stop += ticks
     return True
@@ -307,9 +325,10 @@ def _leave(s: int, rows: FootRows, sizes: Sizes) -> None:
         x.marks -= passed
 
 
-@compiled(VOID(FOOT_ROWS, SIZES, types.float64, types.float64, _F1, _F1, _F1, _F1, _F3, types.uint8[:, ::1]))
+@compiled(RELEASE)
 def release(
     rows: FootRows,
+    first: int,
     sizes: Sizes,
     step_s: float,
     coast: float,
@@ -320,11 +339,13 @@ def release(
     values: Float,
     flags: NDArray[np.uint8],
 ) -> None:
-    """Estimate all feet as far as the samples allow and write what is released, after `take` has taken the newest.
+    """Estimate some feet as far as the samples allow and write what is released, after `take` has taken the newest.
 
     Parameters
     ----------
     rows : FootRows
+    first : int
+        Row of the first of S feet.
     sizes : Sizes
     step_s : float
     coast : float
@@ -339,13 +360,14 @@ def release(
         Output.
     """
     feet, block = flags.shape[0], sizes.block
-    for s in range(feet):
+    for n in range(feet):
+        s = first + n
         x = rows.foot[s]
         end = x.stop - sizes.ahead
         _judge(s, end, rows, sizes, scales, decision, noise)
-        for first in range(0, flags.shape[1], block):
+        for a in range(0, flags.shape[1], block):
             _filter(s, x.released + sizes.lag + block, rows, sizes, step_s, settings)
-            _write(s, rows, sizes, coast, values[s, first : first + block], flags[s, first : first + block])
+            _write(s, rows, sizes, coast, values[n, a : a + block], flags[n, a : a + block])
             _leave(s, rows, sizes)
         needed = min(x.released, x.filtered, x.released + x.judged) - sizes.back - 1
         if x.marks:
@@ -357,4 +379,4 @@ def release(
             x.origin += drop
 
 
-__all__ = ["release", "take"]
+__all__ = ["RELEASE", "TAKE", "release", "take"]

@@ -1,5 +1,6 @@
 """What the live foot filter holds of S feet: rows, feet leading, read and written by Python and by compiled code."""
 
+from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -141,8 +142,16 @@ def sizes_of(windows: Windows, block: int, lag: int) -> Sizes:
     return Sizes(w.half, w.stride, w.before, w.after, w.alone, w.ahead, w.back, block, lag)
 
 
-def foot_rows(feet: int, sizes: Sizes) -> FootRows:
-    """Return rows before the first sample."""
+def foot_rows(feet: int, sizes: Sizes, zeros: Callable[..., NDArray[Any]] = np.zeros) -> FootRows:
+    """Return rows before the first sample.
+
+    Parameters
+    ----------
+    feet : int
+    sizes : Sizes
+    zeros : callable(shape, dtype=...), optional
+        Makes the arrays.
+    """
     waiting = sizes.ahead + sizes.lag + 2 * sizes.block + PIECE_TICKS
     samples = 2 * (sizes.back + waiting) + PIECE_TICKS
     judged, records = 2 * waiting, sizes.lag + _RECORD_BLOCKS * sizes.block
@@ -151,10 +160,10 @@ def foot_rows(feet: int, sizes: Sizes) -> FootRows:
     foot["first"] = foot["last_stance"] = -1
     found: dict[str, Any] = {
         "foot": foot,
-        "kind": np.zeros((feet, samples), dtype=np.uint8),
-        "bits": np.zeros((feet, judged), dtype=np.uint8),
-        "mark": np.zeros((feet, marks), dtype=MARK),
-        "row_count": np.zeros((feet, records), dtype=np.int64),
+        "kind": zeros((feet, samples), dtype=np.uint8),
+        "bits": zeros((feet, judged), dtype=np.uint8),
+        "mark": zeros((feet, marks), dtype=MARK),
+        "row_count": zeros((feet, records), dtype=np.int64),
     }
     shapes = {
         "gyroscope": (samples, 3),
@@ -181,7 +190,7 @@ def foot_rows(feet: int, sizes: Sizes) -> FootRows:
         "largest": (2,),
         "lost": (lost_places.MEMORY,),
     }
-    made = found | {name: np.zeros((feet, *shape)) for name, shape in shapes.items()}
+    made = found | {name: zeros((feet, *shape)) for name, shape in shapes.items()}
     made["last_good"][:, 2] = GRAVITY_MPS2
     return FootRows(**made)
 

@@ -54,7 +54,7 @@ class FootStream:
         number: int,
     ) -> None:
         self.rate_hz, self.parameters, self.windows = rate_hz, parameters, windows
-        self.block, self.lag = sizes.block, sizes.lag
+        self._sizes, self.block, self.lag = sizes, sizes.block, sizes.lag
         self.samples = FootSamples(rate_hz, parameters, windows, rows, number)
         self.judged = JudgedSamples(rate_hz, parameters, windows, rows, number)
         self.settings = settings_of(parameters)
@@ -76,6 +76,12 @@ class FootStream:
         self._lost = LostPlace(rate_hz, parameters, rows.lost[number])
         self._long_gap = long_gap_ticks(rate_hz, parameters)
         self._with_field: dict[int, bool] = {}
+
+    def over(self, rows: FootRows, number: int) -> "FootStream":
+        """Return the same stream over other rows that hold what its own do."""
+        moved = FootStream(self.rate_hz, self.parameters, self.windows, self._sizes, rows, number)
+        moved._with_field = self._with_field
+        return moved
 
     @property
     def filtered(self) -> int:

@@ -18,6 +18,7 @@ from estimators.gait.foot.live.rows import (
     MISSING,
     PIECE_TICKS,
     FootRows,
+    Sizes,
     foot_rows,
     sizes_of,
 )
@@ -115,10 +116,47 @@ class FootTracker:
         self._scales = np.array([chosen.moving_gyroscope_radps, chosen.moving_accelerometer_mps2])
         self._first_tick = -1
 
+    def go_on_over(self, rows: FootRows) -> None:
+        """Hold everything in other rows from now on, of as many feet; nothing happens where they are its own already.
+
+        A pool hands over a session's part of its rows, so that compiled code finds what the tracker left.
+        """
+        if rows.foot.ctypes.data == self._rows.foot.ctypes.data:
+            return
+        its: NDArray[Any]
+        mine: NDArray[Any]
+        for its, mine in zip(rows, self._rows, strict=True):
+            its[...] = mine
+        self._rows = rows
+        self._streams = [stream.over(rows, s) for s, stream in enumerate(self._streams)]
+
+    def own(self) -> None:
+        """Hold everything in rows of its own again."""
+        self.go_on_over(FootRows._make(values.copy() for values in self._rows))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing of a new stretch is still to be released, of any foot."""
+        return all(stream.is_plain for stream in self._streams)
+
     @property
     def delay_ticks(self) -> int:
         """Most ticks between a sample and its release."""
         return self._sizes.ahead + self._sizes.lag + self._sizes.block
+
+    @property
+    def constants(self) -> tuple[Sizes, float, float, Float, Float, Float, Float]:
+        """What `ordinary_kernel.release` takes behind the rows and the first of them, in its order."""
+        one = self._streams[0]
+        return (
+            self._sizes,
+            1.0 / self._rate_hz,
+            COAST_S * self._rate_hz,
+            self._scales,
+            one.judged.decision,
+            one.judged.noise,
+            one.settings,
+        )
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -149,8 +187,8 @@ class FootTracker:
 
     def _take(self, piece: ImuChunk) -> Released:
         field = _NO_FIELD if piece.magnetometer_t is None else piece.magnetometer_t
-        if all(stream.is_plain for stream in self._streams) and ordinary_kernel.take(
-            self._rows, piece.gyroscope_radps, piece.accelerometer_mps2, field, piece.quality
+        if self.is_plain and ordinary_kernel.take(
+            self._rows, 0, piece.gyroscope_radps, piece.accelerometer_mps2, field, piece.quality
         ):
             return self._ordinary()
         usable = usable_samples(piece)
@@ -172,19 +210,7 @@ class FootTracker:
         flags = np.empty((len(streams), ticks), dtype=np.uint8)
         if not ticks:
             return values, flags
-        one = streams[0]
-        ordinary_kernel.release(
-            self._rows,
-            sizes,
-            1.0 / self._rate_hz,
-            COAST_S * self._rate_hz,
-            self._scales,
-            one.judged.decision,
-            one.judged.noise,
-            one.settings,
-            values,
-            flags,
-        )
+        ordinary_kernel.release(self._rows, 0, *self.constants, values, flags)
         for s, stream in enumerate(streams):
             stream.widen(first, values[s], flags[s])
         return values, flags
