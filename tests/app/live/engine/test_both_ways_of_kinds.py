@@ -32,6 +32,7 @@ from estimators.channels import CHANNELS
 from estimators.gait import FootTracker
 from estimators.orientation import DEFAULT
 from estimators.pipelines.relative.pool import RelativePool
+from estimators.pipelines.walk.pool import WalkPool
 from tests.app.live.engine.both_ways import Sender
 from tests.app.live.engine.test_both_ways import Pair, stored
 from tests.benchmarks.live.parts import Part, magnetic, walks
@@ -125,6 +126,12 @@ def test_the_same_bits_on_a_bad_link(
             assert isinstance(pool.kind, RelativePool)
         await pair.settle()
         pair.compare()
+        if make is walks and seed == 0:
+            lane = pair.sessions[1].lane
+            assert lane is not None
+            assert lane.pool is not None
+            assert isinstance(lane.pool.kind, WalkPool)
+            assert lane.pool.kind.ordinary > 5 * lane.pool.kind.general
         assert heard[0] == heard[1]
         orders = [one._orders for one in made]
         assert (orders[0] is None) == (make is walks)

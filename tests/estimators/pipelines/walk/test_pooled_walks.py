@@ -8,6 +8,7 @@ import pytest
 
 from estimators import pipelines
 from estimators.body import BodyDimensions
+from estimators.calibration import DeviceCalibration, TriadCalibration
 from estimators.conventions import SHOE_PLACEMENTS, Placement
 from estimators.pipelines import FEET, Frames, GaitPipeline, SessionSetup
 from estimators.pipelines.pooled import STRETCH
@@ -201,18 +202,14 @@ def compare(with_forces: bool, with_field: bool, seed: int) -> WalkPool:
     return pool
 
 
-@pytest.mark.parametrize("with_field", [False, True], ids=["without field", "with field"])
 @pytest.mark.parametrize("with_forces", [False, True], ids=["one sensor", "shoes"])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_bits_of_sessions_that_change_between_both_ways(
-    with_forces: bool, with_field: bool, seed: int
-) -> None:
-    pool = compare(with_forces, with_field, seed)
+def test_bits_of_sessions_that_change_between_both_ways(with_forces: bool) -> None:
+    pool = compare(with_forces, with_field=not with_forces, seed=0)
     assert min(pool.ordinary, pool.general) > 50, "both ways"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2, 20))
+@pytest.mark.parametrize("seed", range(1, 21))
 def test_bits_of_many_streams(seed: int) -> None:
     compare(with_forces=seed % 2 == 0, with_field=seed % 4 < 2, seed=seed)
 
@@ -269,6 +266,20 @@ def test_one_that_fails_leaves_its_neighbours_alone() -> None:
     found = pooled(pool, [(1, chunk.ticks(50, 55))])
     assert not pool.errors
     assert_same(alone.step(chunk.ticks(50, 55)), found[0])
+
+
+def test_a_session_with_a_calibrated_device_takes_its_ticks_itself() -> None:
+    chunk = walk(0, False)
+    device = DeviceCalibration(accelerometer=TriadCalibration(bias=(0.3, 0.0, -0.2)))
+    setup = replace(session(0, chunk).setup, devices={"foot_left": device})
+    one, alone = pipelines.create(setup), pipelines.create(setup)
+    assert isinstance(one, GaitPipeline)
+    pool = pool_of(one, chunk)
+    assert pool.join(0, one)
+    for first in range(0, 500, 5):
+        (frames,) = pooled(pool, [(0, chunk.ticks(first, first + 5))])
+        assert_same(alone.step(chunk.ticks(first, first + 5)), frames)
+    assert (pool.ordinary, pool.general) == (0, 100)
 
 
 def test_a_restored_session_joins() -> None:
