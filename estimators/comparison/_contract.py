@@ -54,6 +54,11 @@ class Repetition:
     reason: str = ""
     counted: str = ""
 
+    def ticks(self, time_s: Float) -> slice:
+        """Return which ticks are within it, of session times (s, ascending)."""
+        first, last = np.searchsorted(time_s, (self.start_s - 1e-9, self.end_s - 1e-9))
+        return slice(int(first), int(last))
+
 
 @dataclass(frozen=True)
 class Template:

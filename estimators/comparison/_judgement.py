@@ -32,7 +32,7 @@ class _Moved:
     values: Float
 
     def cut(self, repetition: Repetition) -> "_Moved":
-        inside = (self.time_s >= repetition.start_s - 1e-9) & (self.time_s < repetition.end_s - 1e-9)
+        inside = repetition.ticks(self.time_s)
         return _Moved(self.time_s[inside], self.values[inside])
 
 

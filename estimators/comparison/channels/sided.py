@@ -45,7 +45,7 @@ class SideChannels:
 
     def cut(self, repetition: Repetition) -> "SideChannels":
         """Return the samples of one repetition, half-open in session time."""
-        inside = (self.time_s >= repetition.start_s - 1e-9) & (self.time_s < repetition.end_s - 1e-9)
+        inside = repetition.ticks(self.time_s)
         return replace(self, time_s=self.time_s[inside], values=self.values[inside], sigma=self.sigma[inside])
 
 
