@@ -113,8 +113,14 @@ def session_values(
         select(
             MotionSession.patient_id,
             MotionSession.exercise_id,
-            MotionSession.id.label("session_id"),
-            found,
+            MotionSession.id,
+            found.c.measure,
+            found.c.unit,
+            found.c.mean,
+            found.c.mean_square,
+            found.c.repetitions,
+            found.c.first,
+            found.c.uncertainty,
             Comparison.repetition_count,
             Result.orientation,
             Result.orientation_version,
@@ -126,26 +132,41 @@ def session_values(
         .join(MotionSession, MotionSession.id == Comparison.session_id)
         .order_by(MotionSession.patient_id, at, MotionSession.id, found.c.measure)
     )
+    # Taken apart as tuples: by name each of some ten thousand rows costs several times as much.
     return [
         SessionValue(
-            patient_id=row.patient_id,
-            exercise_id=row.exercise_id,
-            session_id=row.session_id,
-            at=began[row.session_id],
-            measure=row.measure,
-            unit=row.unit,
-            mean=row.mean,
-            spread=row.uncertainty
-            if row.first == ALL_REPETITIONS
-            else _spread(row.mean, row.mean_square, row.repetitions),
-            count=row.repetition_count if row.first == ALL_REPETITIONS else row.repetitions,
-            orientation=row.orientation,
-            orientation_version=row.orientation_version,
-            pipeline_version=row.pipeline_version,
-            template_version_id=row.template_version_id,
+            patient_id=patient,
+            exercise_id=exercise,
+            session_id=name,
+            at=began[name],
+            measure=measure,
+            unit=unit,
+            mean=mean,
+            spread=uncertainty if first == ALL_REPETITIONS else _spread(mean, mean_square, repetitions),
+            count=counted if first == ALL_REPETITIONS else repetitions,
+            orientation=orientation,
+            orientation_version=orientation_version,
+            pipeline_version=pipeline_version,
+            template_version_id=version,
         )
-        for row in rows
-        if row.session_id in began
+        for (
+            patient,
+            exercise,
+            name,
+            measure,
+            unit,
+            mean,
+            mean_square,
+            repetitions,
+            first,
+            uncertainty,
+            counted,
+            orientation,
+            orientation_version,
+            pipeline_version,
+            version,
+        ) in rows
+        if name in began
     ]
 
 

@@ -31,7 +31,7 @@ def detectable_change(session_means: Sequence[float]) -> float:
     count = len(values)
     if count < FEWEST_SESSIONS:
         return float("nan")
-    quantile = float(scipy.stats.t.ppf(0.975, count - 1))
+    quantile = float(scipy.special.stdtrit(count - 1, 0.975))
     return quantile * float(values.std(ddof=1)) * float(np.sqrt(1.0 + 1.0 / count))
 
 
