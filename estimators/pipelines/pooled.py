@@ -9,9 +9,10 @@ from collections.abc import Hashable, Mapping
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
-from estimators.kernels import record
+from estimators.kernels import bundle, record
 from estimators.kernels.slots import sparse_zeros
 from estimators.pipelines._contract import FrameLayout, Frames, Pipeline
 from estimators.recording import Float, ImuChunk
@@ -53,6 +54,12 @@ class Columns(NamedTuple):
     segment_flags: NDArray[np.uint8]
     angle_flags: NDArray[np.uint8]
     segment_sigma_rad: Float
+
+
+_F2, _F3 = (types.Array(types.float64, n, "C") for n in (2, 3))
+_U2: Final = types.Array(types.uint8, 2, "C")
+COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
+"""Their type in compiled code."""
 
 
 class Pool(Protocol):
@@ -269,4 +276,4 @@ def _values(beside: Float) -> Float:
     return beside.copy() if beside.shape[2] > 1 else beside[:, :, 0].copy()
 
 
-__all__ = ["STRETCH", "Columns", "Pool", "StepPool", "chunk_of", "columns"]
+__all__ = ["COLUMNS", "STRETCH", "Columns", "Pool", "StepPool", "chunk_of", "columns"]

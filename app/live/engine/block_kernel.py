@@ -1,24 +1,19 @@
 """Rows of pooled frames as the numbers of binary blocks."""
 
-from typing import Final
-
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
 from estimators.compiling import compiled
-from estimators.kernels import VOID, bundle
-from estimators.pipelines.pooled import Columns
-
-_F2, _F3 = (types.Array(types.float64, n, "C") for n in (2, 3))
-_U2: Final = types.Array(types.uint8, 2, "C")
+from estimators.kernels import VOID
+from estimators.pipelines.pooled import COLUMNS, Columns
 
 
 @compiled(
     VOID(
         types.int64[:, ::1],
         types.uint32[:, ::1],
-        bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3),
+        COLUMNS,
         types.uint32[::1],
         types.float32[::1],
     )

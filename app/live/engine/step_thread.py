@@ -22,9 +22,9 @@ from app.network.placing.kernel import NETWORK, PACKETS, PLACED, place
 from app.network.placing.slot import ITEM, Network, Packets, Placed
 from estimators.compiling import compiled
 from estimators.kernels import VOID, rows
-from estimators.pipelines.arm.pooled_kernel import COLUMNS, ROWS, TABLES, WORK, step_arms
+from estimators.pipelines.arm.pooled_kernel import ROWS, TABLES, WORK, step_arms
 from estimators.pipelines.arm.rows import ArmRows, ArmTables, ArmWork
-from estimators.pipelines.pooled import STRETCH, Columns
+from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
 
 COUNT, JOURNAL, FRAME_ROWS, REQUESTS, ANSWERS = range(5)
 """Places of what a request says: packets, which journal holds them, rows of frames a session has; and of the pipes."""

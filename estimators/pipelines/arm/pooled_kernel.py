@@ -19,7 +19,7 @@ from estimators.orientation.telemotion._kernel import run
 from estimators.orientation.telemotion._records import SETTINGS, STATE
 from estimators.pipelines.arm.kernel import Worn, compose
 from estimators.pipelines.arm.rows import SESSION, ArmRows, ArmTables, ArmWork
-from estimators.pipelines.pooled import STRETCH, Columns
+from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
 from estimators.recording import Float, SampleQuality
 
 _MISSING: Final = int(SampleQuality.MISSING)
@@ -54,7 +54,6 @@ ROWS: Final = bundle(
 )
 TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1, LEG_TABLE)
 WORK: Final = bundle(ArmWork, _F1, _F1, _F1, _F1, _F1, _F1, _F1, _U1, _U1, _U1)
-COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
 
 
 @step()

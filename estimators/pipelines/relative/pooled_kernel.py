@@ -18,7 +18,7 @@ from estimators.orientation._screen import _SAMPLE, _judge
 from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.orientation.vqf._kernel import run as run_level
 from estimators.orientation.vqf._steps import SETTINGS, STATE
-from estimators.pipelines.pooled import STRETCH, Columns
+from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
 from estimators.pipelines.relative.kernel import Running, Written, take, write_frames
 from estimators.pipelines.relative.rows import BEGIN, PROGRESS, RelativeRows, RelativeTables, RelativeWork
 from estimators.recording import Float, SampleQuality
@@ -36,7 +36,6 @@ ROWS: Final = bundle(
 )
 TABLES: Final = bundle(RelativeTables, _INT, _INT, _INT, _INT, _INT, _INT, _REAL, _REAL, rows(SETTINGS))
 WORK: Final = bundle(RelativeWork, _F1, _F1, _B1, _U1, _U1, _U1, _F1, _F1, _F1)
-COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
 
 
 @step()
@@ -193,4 +192,4 @@ def step_relative(
     return False
 
 
-__all__ = ["COLUMNS", "ROWS", "TABLES", "WORK", "step_relative"]
+__all__ = ["ROWS", "TABLES", "WORK", "step_relative"]

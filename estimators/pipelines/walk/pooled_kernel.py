@@ -15,7 +15,7 @@ from estimators.kernels import Record, bundle, rows, step
 from estimators.kernels.by_address import caller
 from estimators.kinetics import _live_shoes_kernel as shoe
 from estimators.orientation._screen import _judge
-from estimators.pipelines.pooled import STRETCH, Columns
+from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
 from estimators.pipelines.walk.released_kernel import WRITE_FEET, WRITE_SHOES, Feet, Shoes
 from estimators.pipelines.walk.rows import COUNT, FIRST, SESSION, WalkRows, WalkTables, WalkWork
 from estimators.recording import Float
@@ -37,7 +37,6 @@ TABLES: Final = bundle(
 WORK: Final = bundle(WalkWork, _F1, _F1, _F1, _U1, _U1, _F2)
 _take, _release = caller(TAKE), caller(RELEASE)
 _write_feet, _write_shoes = caller(WRITE_FEET), caller(WRITE_SHOES)
-COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
 
 
 @step()
