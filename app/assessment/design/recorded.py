@@ -25,7 +25,6 @@ from app.exercises.schemas import (
 )
 from app.patients.models import Patient
 from app.recordings import repository as recordings
-from app.recordings.compared import Cycles
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators.comparison import (
@@ -191,23 +190,22 @@ def _build_from(
         # An exercise that is judged by an angle finds none in strides, and says so.
         main = (exercise.primary_angle if exercise is not None else "") or cycles.main_channel
         built = build(source, side, main, wanted.dropped, wanted.tolerance_scale)
-        return found, result, _begun(built, cycles, phases, tuple(source.cycles))
+        known = [PhaseDesign(name=one.name, start=one.start, end=one.end) for one in cycles.phases]
+        begun = _begun(built, known if phases is None else phases, cycles.watched)
+        return found, result, replace(begun, sides=tuple(source.cycles))
     side, primary = _what_moved(source) if exercise is None else (exercise.side, exercise.primary_angle)
     if not primary:
         raise InvalidInput(say("template.not_walked"), field="session_id")
-    return found, result, build(source, side, primary, wanted.dropped, wanted.tolerance_scale)
+    built = build(source, side, primary, wanted.dropped, wanted.tolerance_scale)
+    return found, result, _begun(built, phases) if phases else built
 
 
-def _begun(
-    built: Built, cycles: Cycles, phases: Sequence[PhaseDesign] | None, sides: tuple[Side, ...]
-) -> Built:
+def _begun(built: Built, phases: Sequence[PhaseDesign], watched: Sequence[str] = ()) -> Built:
     """Return a template with the phases and the channels to watch that it begins with."""
-    known = [PhaseDesign(name=one.name, start=one.start, end=one.end) for one in cycles.phases]
     design = TemplateDesign(
-        phases=known if phases is None else list(phases),
-        watched=[name for name in cycles.watched if name in built.template.channels],
+        phases=list(phases), watched=[name for name in watched if name in built.template.channels]
     )
-    return replace(built, template=apply_design(built.template, design), design=design, sides=sides)
+    return replace(built, template=apply_design(built.template, design), design=design)
 
 
 def _what_moved(source: Source) -> tuple[str, str]:

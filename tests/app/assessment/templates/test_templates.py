@@ -93,6 +93,23 @@ def test_a_person_may_keep_what_the_service_would_leave_out(
     assert sum(value is not None for value in main["mean"]) > 90
 
 
+def test_a_template_begins_with_the_phases_it_is_given(
+    therapist: Any, store: Any, world: Any, therapists: SimulatedSession
+) -> None:
+    body = {
+        "session_id": store(therapists, purpose="template"),
+        "exercise_id": world.exercise_id,
+        "name": "In two parts",
+    }
+    halves = [{"name": "Out", "start": 0.0, "end": 0.5}, {"name": "Back", "start": 0.5, "end": 1.0}]
+    made = therapist.post("/api/templates", json=body | {"phases": halves}).json()
+    assert made["design"]["phases"] == halves
+    assert [one["name"] for one in made["content"]["phases"]] == ["Out", "Back"]
+    refused = therapist.post("/api/templates", json=body | {"phases": halves[::-1]})
+    assert (refused.status_code, refused.json()["details"]["field"]) == (422, "design.phases")
+    assert therapist.post("/api/templates", json=body).json()["design"]["phases"] == []
+
+
 def test_versions_of_a_template_are_kept_beside_each_other(
     therapist: Any, world: Any, template_version: dict[str, Any]
 ) -> None:
