@@ -64,6 +64,9 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     if exercise_id is None and values:
         exercise_id = values[-1].exercise_id
         values = [value for value in values if value.exercise_id == exercise_id]
+    # Of no exercise there are walks and other movements; whose strides were compared is not on one axis with these.
+    walks = {value.session_id for value in walked}
+    values = [value for value in values if value.session_id not in walks]
     exercise = session.get(Exercise, exercise_id) if exercise_id else None
     first = main_measure(exercise) if exercise else ""
     measures = _by_measure(values)
@@ -85,7 +88,8 @@ def _of_walks(
     """
     exercise_id = walked[-1].exercise_id
     values = [value for value in walked if value.exercise_id == exercise_id]
-    beside = [value for value in compared if value.exercise_id == exercise_id]
+    walks = {value.session_id for value in values}
+    beside = [value for value in compared if value.session_id in walks]
     measures, of_strides = _by_measure(values), _by_measure(beside)
     others = walked_other_side(patient, values)
     return Progress(

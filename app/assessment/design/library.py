@@ -113,6 +113,8 @@ def _led_by(recorded: Template, exercise: Exercise) -> Template:
     """Return the template with the main angle of an exercise; that of a walk leads itself."""
     if not exercise.primary_angle and is_of_stride(recorded.primary_channel):
         return recorded
+    if not exercise.primary_angle:
+        raise InvalidInput(say("template.other_kind"), field="exercise_id")
     if exercise.primary_angle not in recorded.channels:
         name = channel_label(exercise.primary_angle)
         raise InvalidInput(say("template.other_angle", name=name), field="exercise_id")

@@ -206,7 +206,35 @@ def test_walks_and_other_movements_do_not_mix(
     for session_id, other in ((walked_id, template_version), (reached_id, version)):
         path = f"/api/sessions/{session_id}/comparisons"
         assert "template of the same kind" in refused(path, {"template_version_id": other["id"]})
+    body = {"patient_id": None, "name": "No", "exercise_id": exercise_id, "reason": "No"}
+    path = f"/api/template-versions/{template_version['id']}/copies"
+    assert "template of the same kind" in refused(path, body)
     body = {"name": "No", "session_id": reached_id, "exercise_id": exercise_id}
     assert "choose a recording of a walk" in refused("/api/templates", body)
     body = {"name": "No", "session_id": walked_id, "exercise_id": world.exercise_id}
     assert "was not measured" in refused("/api/templates", body)
+
+
+def test_walks_of_no_exercise_are_not_on_one_axis_with_other_movements(
+    therapist: Any,
+    walk: Any,
+    store: Any,
+    therapists: Any,
+    version: dict[str, Any],
+    template_version: dict[str, Any],
+    world: Any,
+) -> None:
+    def names() -> list[str]:
+        progress = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
+        assert progress["exercise_id"] is None
+        return [one["measure"] for one in progress["measures"]]
+
+    compared(therapist, str(store(walked(seed=2), exercise_id=None, pipeline="gait")), version["id"])
+    compared(therapist, str(store(therapists, exercise_id=None)), template_version["id"])
+    reached = names()
+    assert "range:humerus_forearm_right_zxy_flexion" in reached
+    assert [name for name in reached if "foot" in name or name.startswith("walk:")] == []
+    store(walked(seed=3), exercise_id=None, pipeline="gait")
+    of_walks = names()
+    assert {"walk:speed:left", f"range:{HEIGHT}"} <= set(of_walks)
+    assert [name for name in of_walks if "humerus" in name or "trunk" in name] == []
