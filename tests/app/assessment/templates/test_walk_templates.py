@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.database.unit_of_work import read_only, unit_of_work
-from app.exercises.models import TemplateVersion
+from app.exercises.models import Exercise, TemplateVersion
 from app.patients.models import Patient
 from app.recordings.models import MotionSession
 from estimators.comparison import foot_channels
@@ -238,3 +238,18 @@ def test_walks_of_no_exercise_are_not_on_one_axis_with_other_movements(
     of_walks = names()
     assert {"walk:speed:left", f"range:{HEIGHT}"} <= set(of_walks)
     assert [name for name in of_walks if "humerus" in name or "trunk" in name] == []
+
+
+def test_steps_in_another_exercise_are_no_repetitions_of_it(
+    therapist: Any, store: Any, world: Any, engine: Engine
+) -> None:
+    with read_only(engine) as session:
+        angle = session.get_one(Exercise, world.exercise_id).primary_angle
+    body = {"name": "Balance", "movement": "other", "side": "right", "primary_angle": angle}
+    balance = therapist.post("/api/exercises", json=body).json()["id"]
+    stepped = store(walked(seed=2), exercise_id=balance, pipeline="gait")
+    reached = store(walked(seed=2), exercise_id=world.exercise_id, pipeline="gait")
+    with read_only(engine) as session:
+        assert session.get_one(MotionSession, stepped).valid_repetitions == 0
+        assert session.get_one(MotionSession, reached).valid_repetitions == 0
+        assert session.get_one(MotionSession, reached).active_s == 0.0
