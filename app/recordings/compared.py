@@ -18,6 +18,7 @@ from estimators.comparison import (
     trajectory,
 )
 from estimators.conventions import Side
+from estimators.errors import ComparisonError
 from estimators.pipelines import Frames, SessionSetup
 
 
@@ -35,12 +36,15 @@ class Cycles:
         That a template begins with; their names are English words, which the client has in its languages.
     watched : tuple of str
         Channels that a template shows and does not judge, unless a therapist says so.
+    absent : str
+        Why nothing of this side can be compared; empty where something can.
     """
 
     repetitions: tuple[Repetition, ...]
     main_channel: str
     phases: tuple[NamedPhase, ...] = ()
     watched: tuple[str, ...] = ()
+    absent: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,8 @@ class Source:
             found = find_repetitions(self.moved, side, self.start_s, self.end_s)
             return judge_repetitions(self.moved, found, side)
         cut = self.cycles.get("left" if side == "left" else "right")
+        if cut is not None and cut.absent:
+            raise ComparisonError(cut.absent)
         return [] if cut is None else list(cut.repetitions)
 
     def acting_side(self, named: str, affected: str | None, template: str | None = None) -> str:

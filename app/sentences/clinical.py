@@ -19,6 +19,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "template.not_walked": "This exercise is a walk; choose a recording of a walk.",
     "template.other_kind": "Strides are compared with the template of a walk, and other movements with that of a"
     " movement; choose a template of the same kind.",
+    "template.few_strides": {
+        "one": "Only one stride can be used. Record a walk straight ahead, at least four strides with each foot.",
+        "other": "{count:number} strides can be used. Record a walk straight ahead, at least four strides with each"
+        " foot.",
+    },
     "template.by_hand": "Excluded by hand.",
     "template.no_repetition": "There is no repetition {number} in this recording.",
     "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"

@@ -72,12 +72,12 @@ def write_findings(
         At least one sentence.
     """
     retained = [result for result in results if result.repetition.is_kept]
-    if not results:
-        return (say("findings.none_found"),)
-    if not retained:
-        return (say("findings.none_used"),)
-    by_name = {measure.name: measure for measure in summary}
     is_walk = is_of_stride(template.primary_channel)
+    if not results:
+        return (say("findings.no_strides") if is_walk else say("findings.none_found"),)
+    if not retained:
+        return (say("findings.no_stride_used") if is_walk else say("findings.none_used"),)
+    by_name = {measure.name: measure for measure in summary}
     left_band = outside_band(retained, template)
     outside = {} if is_walk else {one.channel: one for one in left_band}
     in_some = _in_some(retained, by_name, template)

@@ -155,6 +155,8 @@ def cycles_of(foot: FootOut, start_s: float | None, end_s: float | None) -> Cycl
         height,
         () if border is None else (NamedPhase("Stance", 0.0, border), NamedPhase("Swing", border, 1.0)),
         (speed,),
+        # Channels are of the way between footholds.
+        "" if len(foot.footholds) >= 2 else say("walk.no_stride", side=foot.side),
     )
 
 

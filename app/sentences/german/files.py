@@ -67,6 +67,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "findings.longer_way": "Der Weg der Hand war {more:percent} länger als in der Vorlage.",
     "findings.matched": "Die Bewegung entsprach der Vorlage, soweit sich das messen lässt.",
     "findings.no_difference": "Kein Unterschied zur Vorlage ist größer als die Messunsicherheit.",
+    "findings.no_strides": "In dieser Sitzung wurde kein Doppelschritt von einem Auftritt zum nächsten gefunden.",
+    "findings.no_stride_used": "Es wurden Doppelschritte gefunden, aber alle ausgeschlossen; der Grund steht jeweils"
+    " daneben.",
     "findings.none_found": "In dieser Sitzung wurden keine eindeutigen Wiederholungen gefunden.",
     "findings.none_used": "Es wurden Wiederholungen gefunden, aber alle ausgeschlossen; der Grund steht jeweils"
     " daneben.",

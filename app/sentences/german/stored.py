@@ -72,6 +72,12 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "template.other_exercise": "Eine weitere Version muss zu derselben Übung und derselben Person gehören wie"
     " ihre Vorlage.",
     "template.not_walked": "Diese Übung ist ein Gang; wählen Sie die Aufzeichnung eines Gangs.",
+    "template.few_strides": {
+        "one": "Nur ein Doppelschritt ist brauchbar. Zeichnen Sie einen Gang geradeaus auf, mindestens vier"
+        " Doppelschritte mit jedem Fuß.",
+        "other": "{count:number} Doppelschritte sind brauchbar. Zeichnen Sie einen Gang geradeaus auf, mindestens vier"
+        " Doppelschritte mit jedem Fuß.",
+    },
     "template.other_kind": "Doppelschritte werden mit der Vorlage eines Gangs verglichen, andere Bewegungen mit der"
     " einer Bewegung; wählen Sie eine Vorlage derselben Art.",
     "template.other_patient": "Diese Vorlage wurde für eine andere Person gemacht.",

@@ -13,6 +13,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "repetition.unlike": "Unlike the others: the movement took another path.",
     "findings.none_found": "No clear repetitions were found in this session.",
     "findings.none_used": "Repetitions were found, but all were excluded; the reason stands beside each.",
+    "findings.no_strides": "No stride from one contact with the floor to the next was found in this session.",
+    "findings.no_stride_used": "Strides were found, but all were left out; the reason stands beside each.",
     "findings.matched": "The movement matched the template within what can be measured.",
     "findings.no_difference": "No difference from the template is larger than the uncertainty of the measurement.",
     "findings.range_smaller": "{channel:channel} range was {difference_rad:deg} smaller than in the template"

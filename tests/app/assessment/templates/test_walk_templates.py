@@ -1,5 +1,6 @@
 """The template of a walk through the service: recorded, drawn on, prescribed, compared, copied for the other foot."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from app.recordings.models import MotionSession
 from estimators.comparison import foot_channels
 from estimators.simulation import WalkStyle
 
-from .walked import both, walked
+from .walked import both, until, walked
 
 pytestmark = pytest.mark.usefixtures("quiet_queue")
 _, HEIGHT, SPEED = foot_channels("right")
@@ -184,6 +185,28 @@ def test_a_copy_is_of_the_other_foot_of_the_same_exercise(
     for mine, theirs in zip(foot_channels("left"), foot_channels("right"), strict=True):
         assert own[mine]["mean"] == recorded[theirs]["mean"]
         assert own[mine]["repetitions"] == recorded[theirs]["repetitions"]
+
+
+def test_too_short_a_walk_is_refused_in_words_of_walking(
+    therapist: Any, store: Any, version: dict[str, Any], exercise_id: str
+) -> None:
+    def cut(seconds: float) -> str:
+        whole = walked(seed=2)
+        recording = until(whole.recording, seconds)
+        return str(store(replace(whole, recording=recording), exercise_id=exercise_id, pipeline="gait"))
+
+    def refused(path: str, body: dict[str, Any]) -> str:
+        answer = therapist.post(path, json=body)
+        assert answer.status_code == 422, answer.text
+        return str(answer.json()["sentences"]["message"]["code"])
+
+    standing, one_step = cut(2.5), cut(5.2)
+    body = {"template_version_id": version["id"]}
+    assert refused(f"/api/sessions/{standing}/comparisons", body) == "walk.no_stride"
+    assert refused("/api/templates/preview", {"session_id": standing}) == "walk.no_stride"
+    assert refused("/api/templates/preview", {"session_id": one_step}) == "template.few_strides"
+    (said,) = compared(therapist, one_step, version["id"])["findings"]
+    assert said.startswith("No stride from one contact")
 
 
 def test_walks_and_other_movements_do_not_mix(

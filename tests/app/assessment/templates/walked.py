@@ -1,8 +1,10 @@
 """Simulated walks of both feet, as recordings and as what is compared."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
+
+import numpy as np
 
 from app.kinds.walk.compared import source_of
 from app.kinds.walk.stored import content_of
@@ -26,6 +28,23 @@ def walked(style: WalkStyle | None = None, seed: int = 1, **scenario: Any) -> Si
     made = simulate_gait(GaitScenario(style or WalkStyle(), seed=seed, has_load_cells=False, **scenario))
     sensors = {f"foot_{side}": made.recording.sensors[f"heel_{side}"] for side in ("left", "right")}
     return SimulatedWalk(Recording(sensors, made.recording.nominal_rate_hz, origin="simulation"), made.truth)
+
+
+def until(recording: Recording, seconds: float) -> Recording:
+    """Return the beginning of a recording."""
+    ticks = round(seconds * recording.nominal_rate_hz)
+    sensors = {}
+    for name, own in recording.sensors.items():
+        columns = {one.name: getattr(own, one.name) for one in fields(own)}
+        sensors[name] = replace(
+            own,
+            **{
+                name: values[:ticks]
+                for name, values in columns.items()
+                if isinstance(values, np.ndarray) and len(values) == len(own.time_s)
+            },
+        )
+    return replace(recording, sensors=sensors)
 
 
 def source(style: WalkStyle | None = None, seed: int = 1, **scenario: Any) -> Source:
