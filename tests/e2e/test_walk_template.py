@@ -123,7 +123,7 @@ def test_the_template_of_a_walk_goes_the_way_of_all_templates(
 
     page.get_by_role("tab", name="Curves").click()
     expect(page.get_by_text("Every stride with the template and its band")).to_be_visible()
-    page.get_by_role("button", name=re.compile("^Repetition 4")).first.click()
+    page.get_by_role("button", name=re.compile("^Stride 4")).first.click()
     page.wait_for_timeout(1500)
     assert serious(visitor) == []
     seen(visitor, "walk-template-curves")

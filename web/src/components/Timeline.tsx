@@ -20,6 +20,8 @@ export interface TimelineProps {
   repetitions: readonly Repetition[];
   events: readonly SessionEvent[];
   onRepetition?: (repetition: Repetition) => void;
+  /** They are the strides of a walk. */
+  areStrides?: boolean;
 }
 
 const SPEEDS = ['0.25', '0.5', '1', '2'] as const;
@@ -40,7 +42,8 @@ const SHOWN_EVENTS = new Set([
   'guidance_off',
 ]);
 
-export function Timeline({ player, repetitions, events, onRepetition }: TimelineProps) {
+export function Timeline({ player, repetitions, events, onRepetition, areStrides = false }: TimelineProps) {
+  const numbered = (number: number) => t(areStrides ? 'repetition.stride' : 'repetition.numbered', { number });
   const { isPlaying, speed } = useSnapshot(player);
   const timeS = useClockText(player, 50);
   const { startS, endS } = player.clock();
@@ -93,7 +96,7 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
           aria-label={t('timeline.position')}
           aria-valuetext={
             t('timeline.at', { at: position(timeS - startS), of: position(length) }) +
-            (here ? `, ${t('repetition.numbered', { number: here.number })}` : '')
+            (here ? `, ${numbered(here.number)}` : '')
           }
           min={startS}
           max={endS}
@@ -107,8 +110,8 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
         <ActionIcon
           size={44}
           color="gray"
-          aria-label={t('timeline.previous')}
-          title={t('timeline.previous')}
+          aria-label={t(areStrides ? 'timeline.previousStride' : 'timeline.previous')}
+          title={t(areStrides ? 'timeline.previousStride' : 'timeline.previous')}
           onClick={() => jump(-1)}
         >
           <IconPlayerSkipBackFilled size={22} aria-hidden />
@@ -125,8 +128,8 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
         <ActionIcon
           size={44}
           color="gray"
-          aria-label={t('timeline.next')}
-          title={t('timeline.next')}
+          aria-label={t(areStrides ? 'timeline.nextStride' : 'timeline.next')}
+          title={t(areStrides ? 'timeline.nextStride' : 'timeline.next')}
           onClick={() => jump(1)}
         >
           <IconPlayerSkipForwardFilled size={22} aria-hidden />
@@ -144,13 +147,17 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
         />
       </div>
       {repetitions.length > 0 && (
-        <div className="repetition-row" role="group" aria-label={t('timeline.repetitions')}>
+        <div
+          className="repetition-row"
+          role="group"
+          aria-label={t(areStrides ? 'timeline.strides' : 'timeline.repetitions')}
+        >
           {repetitions.map((one) => (
             <Button
               key={one.number}
               size="compact-md"
               variant={here?.number === one.number ? 'filled' : 'default'}
-              aria-label={`${t('repetition.numbered', { number: one.number })}, ${position(one.start_s - startS)}${one.is_kept ? '' : `, ${t('repetition.leftOut')}`}`}
+              aria-label={`${numbered(one.number)}, ${position(one.start_s - startS)}${one.is_kept ? '' : `, ${t('repetition.leftOut')}`}`}
               aria-pressed={here?.number === one.number}
               onClick={() => {
                 player.seek(one.start_s);

@@ -1,5 +1,6 @@
 import type { ComparisonDetail, PhaseCurve } from '../../api/types';
 import { extent } from '../../charts/scales';
+import { limbOf } from '../placements';
 
 type Values = readonly (number | null)[];
 
@@ -13,6 +14,10 @@ export function bandEdges(curve: PhaseCurve): { low: (number | null)[]; high: (n
     values.map((value, index) => value ?? (typeof curve.width?.[index] === 'number' ? free : null));
   return { low: edge(curve.low, rim[0]), high: edge(curve.high, rim[1]) };
 }
+
+/** Whether the repetitions of a comparison are the strides of a walk. */
+export const isOfStrides = (comparison: ComparisonDetail | null): boolean =>
+  limbOf(comparison?.curves[0]?.channel) === 'foot';
 
 export interface OutsideStretch {
   /** Position in the comparison's repetitions. */

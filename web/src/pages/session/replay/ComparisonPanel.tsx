@@ -11,8 +11,7 @@ import { WeightedSum } from '../../../components/WeightedSum';
 import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
-import { outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
-import { limbOf } from '../../../lib/placements';
+import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
 
 export interface ComparisonPanelProps {
@@ -228,9 +227,10 @@ export function ComparisonPanel({
   const [showsAll, setShowsAll] = useState(false);
   if (!hasComparison) return <Start session={session} resultId={resultId} />;
   if (!comparison) return null;
+  const areStrides = isOfStrides(comparison);
   if (comparison.repetitions.length === 0) {
     return (
-      <Empty level={3} title={t('compare.noRepetitions')}>
+      <Empty level={3} title={t(areStrides ? 'compare.noStrides' : 'compare.noRepetitions')}>
         {comparison.findings[0] ?? t('compare.noRepetitionsText')}
       </Empty>
     );
@@ -243,7 +243,7 @@ export function ComparisonPanel({
     <div className="stack">
       <div>
         <p className="muted small">
-          {t(limbOf(comparison.curves[0]?.channel) === 'foot' ? 'compare.withStrides' : 'compare.with', {
+          {t(areStrides ? 'compare.withStrides' : 'compare.with', {
             name: comparison.template_name,
             count: comparison.repetition_count,
           })}
@@ -262,10 +262,10 @@ export function ComparisonPanel({
           value={selected === null ? 'all' : String(selected)}
           onChange={(value) => onSelect(value === 'all' || value === null ? null : Number(value))}
           data={[
-            { value: 'all', label: t('compare.allRepetitions') },
+            { value: 'all', label: t(areStrides ? 'compare.allStrides' : 'compare.allRepetitions') },
             ...comparison.repetitions.map((one, index) => ({
               value: String(index),
-              label: t('repetition.numbered', { number: one.repetition.number }),
+              label: t(areStrides ? 'repetition.stride' : 'repetition.numbered', { number: one.repetition.number }),
             })),
           ]}
         />

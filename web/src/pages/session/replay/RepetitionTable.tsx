@@ -2,7 +2,7 @@ import { Button } from '@mantine/core';
 import measures from '../../../api/measures.json';
 import type { ComparisonDetail, MeasureValue } from '../../../api/types';
 import { t } from '../../../i18n';
-import { primaryChannel } from '../../../lib/assessment/comparison';
+import { isOfStrides, primaryChannel } from '../../../lib/assessment/comparison';
 import { quantity, uncertain } from '../../../lib/format';
 
 /** The main measures of a repetition; a beginning of names gives one of them, or two kinds of compensation. */
@@ -29,17 +29,18 @@ export function RepetitionTable({
   onSelect: (repetition: number) => void;
 }) {
   const columns = columnsOf(comparison.summary);
+  const areStrides = isOfStrides(comparison);
   return (
     <section className="card" aria-labelledby="by-repetition">
       <div className="card-head">
-        <h2 id="by-repetition">{t('repetition.table')}</h2>
+        <h2 id="by-repetition">{t(areStrides ? 'repetition.tableStrides' : 'repetition.table')}</h2>
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll" role="group" aria-labelledby="by-repetition" tabIndex={0}>
         <table className="plain-table wide-table stacked-table">
           <thead>
             <tr>
-              <th scope="col">{t('repetition.one')}</th>
+              <th scope="col">{t(areStrides ? 'repetition.oneStride' : 'repetition.one')}</th>
               {columns.map((column) => (
                 <th scope="col" key={column.measure}>
                   {column.label}
@@ -58,7 +59,9 @@ export function RepetitionTable({
                     size="compact-md"
                     variant={selected === index ? 'filled' : 'default'}
                     onClick={() => onSelect(index)}
-                    aria-label={t('repetition.show', { number: one.repetition.number })}
+                    aria-label={t(areStrides ? 'repetition.showStride' : 'repetition.show', {
+                      number: one.repetition.number,
+                    })}
                   >
                     {one.repetition.number}
                   </Button>
@@ -82,7 +85,9 @@ export function RepetitionTable({
           </tbody>
           <tfoot>
             <tr>
-              <th scope="row">{t('repetition.mean', { count: comparison.repetition_count })}</th>
+              <th scope="row">
+                {t(areStrides ? 'repetition.meanStrides' : 'repetition.mean', { count: comparison.repetition_count })}
+              </th>
               {columns.map((column) => (
                 <td className="number strong" key={column.measure} data-label={column.label}>
                   {uncertain(column.value ?? null, column.uncertainty ?? null, column.unit)}

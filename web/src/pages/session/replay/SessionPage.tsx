@@ -25,6 +25,7 @@ import { partsOf } from '../../../kinds/parts';
 import { preferredAngles } from '../../../lib/channels';
 import { dateTime, duration } from '../../../lib/format';
 import { massChannels } from '../../../lib/assessment/massCentre';
+import { isOfStrides } from '../../../lib/assessment/comparison';
 import { templateOver } from '../../../lib/assessment/overlay';
 import { fullName, patientCrumbs } from '../../../lib/people';
 import { isLive, sessionTitle } from '../../../lib/sessions';
@@ -102,8 +103,11 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
 
   useKeys({
     ' ': () => (player.clock().isPlaying ? player.pause() : player.play()),
-    w: () => setGhost((now) => ({ ...now, warp: !now.warp })),
-    g: () => setGhost((now) => ({ ...now, ghost: !now.ghost })),
+    // Without a figure its switches are not there, and nobody could bring back what a key took away.
+    ...(shown?.has_ghost !== false && {
+      w: () => setGhost((now) => ({ ...now, warp: !now.warp })),
+      g: () => setGhost((now) => ({ ...now, ghost: !now.ghost })),
+    }),
   });
   const phaseNow = useCallback(
     () => (comparison ? templatePhaseAt(comparison.repetitions, player.clock().timeS) : null),
@@ -140,7 +144,13 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             ghost={ghost}
             onShown={setShown}
           />
-          <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
+          <Timeline
+            player={player}
+            repetitions={repetitions}
+            events={session.events}
+            onRepetition={choose}
+            areStrides={isOfStrides(comparison)}
+          />
           {marked ? <MarkerLegend /> : UnderPicture && <UnderPicture session={session} />}
           {comparison && !marked && shown?.has_ghost !== false && (
             <div className="ghost-tools">
