@@ -310,7 +310,8 @@ class Lane:
         if not ticks:
             return
         shown = [row for row in rows if row[TICKS]]
-        frames = pool.frames(next_tick - ticks, shown[0][TICK_AT], ticks)
+        # Packets behind these may have none: where a pipeline raised.
+        frames = pool.frames(shown[0][FIRST_TICK], shown[0][TICK_AT], ticks)
         whole, chunk = [row[TICKS] for row in shown], None
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s

@@ -222,6 +222,8 @@ def test_one_that_fails_leaves_its_neighbours_alone(
         assert sound.line.is_running
         assert [len(one.ledger.received) for one in (broken, sound)] == [80, 80], "stored all the same"
         assert sound.aligner.next_tick > broken.aligner.next_tick
+        kept, whole = stored(manager, broken), stored(manager, sound)
+        assert kept["ticks"] == whole["ticks"][: len(kept["ticks"])], "stored where they were found"
 
     asyncio.run(run())
 
