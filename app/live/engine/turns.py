@@ -237,7 +237,9 @@ class PooledEngine:
     def _take_parts(self, pool: SessionPool, parts: list[_Items]) -> None:
         """Take parts one after the other; the pool's thread is asked where one is worth the asking."""
         while parts:
-            items = parts.pop(0)
+            items = self._still_in(pool, parts.pop(0))
+            if not items:
+                continue
             if pool.answers is not None and len(items) >= ASKED:
                 try:
                     self._fill(pool, items)
@@ -249,6 +251,17 @@ class PooledEngine:
                 self._open.append((pool, items, parts))
                 return
             parts[:0] = self._take_part(pool, items)
+
+    def _still_in(self, pool: SessionPool, items: _Items) -> _Items:
+        """Return the packets of sessions that are estimated in a pool; others take the general way."""
+        still: _Items = []
+        for one, lane in items:
+            if lane.pool is pool and lane.session.line.is_running:
+                still.append((one, lane))
+            else:
+                lane.forget()
+                self._take_rare(one)
+        return still
 
     def _watch_answers(self, pool: SessionPool) -> None:
         answers = pool.answers

@@ -30,6 +30,7 @@ from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from estimators.channels import CHANNELS
 from estimators.gait import FootTracker
+from estimators.magnetic.relative import layout as at
 from estimators.orientation import DEFAULT
 from estimators.pipelines.relative.pool import RelativePool
 from estimators.pipelines.walk.pool import WalkPool
@@ -253,6 +254,40 @@ def test_a_burst_that_cannot_be_solved_ends_its_own_session_alone(manager: LiveM
         assert len(frames["ticks"]) == sound.aligner.next_tick
         scalar = np.frombuffer(frames["scalar"]).reshape(-1, len(names))
         assert np.isfinite(scalar[-1, names.index("thigh_right_distance_m")]), "its own burst was solved"
+        assert [len(one.ledger.received) for one in (broken, sound)] == [len(part.packets)] * 2, "all stored"
+
+    asyncio.run(run())
+
+
+def test_a_session_that_failed_is_not_estimated_further_in_the_same_turn(
+    manager: LiveManager, world: Any
+) -> None:
+    async def run() -> None:
+        part = magnetic(6.0)
+        made = [await opened(manager, world.subjects["therapist"], world.patient_id, part) for _ in range(2)]
+        pair = Pair(Sender(made[0]), Sender(made[1]), manager)
+        broken, sound = pair.sessions
+        one, calls = broken.pipeline.filters["thigh_right"], count()  # type: ignore[attr-defined]
+
+        def fail() -> None:
+            next(calls)
+            one.arrays()[5][at.EVENT] = 0
+            raise FloatingPointError("no solution")
+
+        one.handle_event = fail
+        # All that comes behind the standstill waits for one turn, in which the pool is called several times.
+        for number, data in enumerate(part.packets):
+            for sender in (pair.general, pair.pooled):
+                manager.pooled.offer(sender, memoryview(data), 0, 100.0 + 0.04 * number, 0)
+            if number < 50:
+                manager.pooled.turn()
+        manager.pooled.turn()
+        assert (broken.state, sound.line.is_running) == ("failed", True)
+        kept, whole = stored(manager, broken), stored(manager, sound)
+        failed_at = len(kept["ticks"])
+        assert 0 < failed_at < len(whole["ticks"])
+        assert kept["ticks"] == whole["ticks"][:failed_at]
+        assert next(calls) == 1
         assert [len(one.ledger.received) for one in (broken, sound)] == [len(part.packets)] * 2, "all stored"
 
     asyncio.run(run())
