@@ -123,10 +123,8 @@ class FootTracker:
         """
         if rows.foot.ctypes.data == self._rows.foot.ctypes.data:
             return
-        its: NDArray[Any]
-        mine: NDArray[Any]
-        for its, mine in zip(rows, self._rows, strict=True):
-            its[...] = mine
+        for name in FootRows._fields:
+            getattr(rows, name)[...] = getattr(self._rows, name)
         self._rows = rows
         self._streams = [stream.over(rows, s) for s, stream in enumerate(self._streams)]
 
