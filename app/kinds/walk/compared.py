@@ -6,7 +6,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
-from app.errors import InvalidInput
+from app.errors import Conflict, InvalidInput
 from app.kinds.walk.history import stored_walk
 from app.kinds.walk.schemas import FootCurve, FootCurvesOut, FootOut, StrideOut, WalkContent
 from app.recordings import repository
@@ -38,6 +38,10 @@ def walk_source(session: Session, found: MotionSession, result: Result) -> Sourc
     content = stored_walk(session, found.id, result.id)
     if content is None:
         raise InvalidInput(say("walk.no_strides"), field="result_id")
+    return _source(session, found, result, content)
+
+
+def _source(session: Session, found: MotionSession, result: Result, content: WalkContent) -> Source:
     frames = frames_of(session, result)
     return source_of(frames, content, result, (found.recording_start_s, found.recording_end_s))
 
@@ -61,14 +65,17 @@ def foot_curves(
     ------
     NotFound
         No such session or result.
-    InvalidInput
+    Conflict
         The result has no strides.
     """
     found = repository.get_session(
         session, subject, session_id, action="session.gait", details={"result": result_id or "main"}
     )
     result = repository.result_of(session, found, result_id)
-    moved = walk_source(session, found, result).moved
+    content = stored_walk(session, found.id, result.id)
+    if content is None:
+        raise Conflict(say("walk.no_strides"))
+    moved = _source(session, found, result, content).moved
     thin = slice(None, None, max(1, -(-len(moved.time_s) // max_points)))
     values = np.where(moved.valid, moved.values, np.nan)[thin]
     return FootCurvesOut(

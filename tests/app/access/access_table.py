@@ -261,7 +261,7 @@ LINES: tuple[Line, ...] = (
     # Ada's session moves an arm: who may read it learns that it is no balance test and no walk.
     patient("GET", "/api/sessions/{session_id}/balance", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/gait", READ, status=409),
-    patient("GET", "/api/sessions/{session_id}/gait/curves", READ, status=422),
+    patient("GET", "/api/sessions/{session_id}/gait/curves", READ, status=409),
     patient("GET", "/api/patients/{patient_id}/walks", READ),
     # The same session twice: who may read Ada learns that.
     patient(
