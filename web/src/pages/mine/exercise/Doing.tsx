@@ -1,5 +1,5 @@
 // The exercise while it is done: what to do now in one line, how many, and three buttons that are always there.
-import { Button, Switch } from '@mantine/core';
+import { Button } from '@mantine/core';
 import {
   IconHeartBroken,
   IconPlayerPauseFilled,
@@ -171,15 +171,18 @@ export function Controls({ guidance, hold }: { guidance: GuidanceMessage | null;
     <>
       {guidance?.status === 'failed' && <p className="muted">{t('doing.alone')}</p>}
       {isGuided(guidance) && canSpeak() && (
-        <Switch
-          size="lg"
-          label={t('doing.aloud')}
-          checked={isAloud}
-          onChange={(event) => {
-            setAloud(event.currentTarget.checked);
-            keepVoice(event.currentTarget.checked);
-          }}
-        />
+        <label className="doing-aloud">
+          <input
+            type="checkbox"
+            role="switch"
+            checked={isAloud}
+            onChange={(event) => {
+              setAloud(event.currentTarget.checked);
+              keepVoice(event.currentTarget.checked);
+            }}
+          />
+          {t('doing.aloud')}
+        </label>
       )}
       <Buttons hold={hold} />
     </>
