@@ -97,9 +97,9 @@ def build(
             raise InvalidInput(say("template.no_repetition", number=min(unknown)), field="dropped")
         if dropped is not None:
             judged = [_decided(r, is_kept=r.number not in dropped) for r in judged]
-        kept = sum(repetition.is_kept for repetition in judged)
-        if source.cycles is not None and kept < FEWEST:
-            raise InvalidInput(say("template.few_strides", count=kept), field="session_id")
+        accepted = sum(repetition.is_kept for repetition in judged)
+        if source.cycles is not None and accepted < FEWEST:
+            raise InvalidInput(say("template.few_strides", count=accepted), field="session_id")
         template = build_template(
             source.moved,
             judged,
