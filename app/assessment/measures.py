@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
-from typing import Final
+from typing import Any, Final
 
 from sqlalchemy import ColumnElement, Subquery, func, select
 from sqlalchemy.orm import Session
@@ -132,42 +132,29 @@ def session_values(
         .join(MotionSession, MotionSession.id == Comparison.session_id)
         .order_by(MotionSession.patient_id, at, MotionSession.id, found.c.measure)
     )
-    # Taken apart as tuples: by name each of some ten thousand rows costs several times as much.
-    return [
-        SessionValue(
-            patient_id=patient,
-            exercise_id=exercise,
-            session_id=name,
-            at=began[name],
-            measure=measure,
-            unit=unit,
-            mean=mean,
-            spread=uncertainty if first == ALL_REPETITIONS else _spread(mean, mean_square, repetitions),
-            count=counted if first == ALL_REPETITIONS else repetitions,
-            orientation=orientation,
-            orientation_version=orientation_version,
-            pipeline_version=pipeline_version,
-            template_version_id=version,
-        )
-        for (
-            patient,
-            exercise,
-            name,
-            measure,
-            unit,
-            mean,
-            mean_square,
-            repetitions,
-            first,
-            uncertainty,
-            counted,
-            orientation,
-            orientation_version,
-            pipeline_version,
-            version,
-        ) in rows
-        if name in began
-    ]
+    return [_value(row, began[row[2]]) for row in rows if row[2] in began]
+
+
+def _value(row: Sequence[Any], at: datetime) -> SessionValue:
+    """Return a row of `session_values`; taken apart by place, for by name each of ten thousand costs far more."""
+    patient, exercise, name, measure, unit, mean, mean_square, repetitions, first, uncertainty = row[:10]
+    counted, orientation, orientation_version, pipeline_version, version = row[10:]
+    is_of_all = first == ALL_REPETITIONS
+    return SessionValue(
+        patient_id=patient,
+        exercise_id=exercise,
+        session_id=name,
+        at=at,
+        measure=measure,
+        unit=unit,
+        mean=mean,
+        spread=uncertainty if is_of_all else _spread(mean, mean_square, repetitions),
+        count=counted if is_of_all else repetitions,
+        orientation=orientation,
+        orientation_version=orientation_version,
+        pipeline_version=pipeline_version,
+        template_version_id=version,
+    )
 
 
 def _over_repetitions(sessions: Sequence[ColumnElement[bool]], measures: Sequence[str] | None) -> Subquery:
