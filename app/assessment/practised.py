@@ -10,7 +10,6 @@ from app.errors import InvalidInput, NotFound
 from app.exercises.models import Exercise
 from app.kinds.walk.history import any_walk
 from app.kinds.walk.schemas import WalkContent
-from app.kinds.walk.stored import PIPELINE
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
 from app.recordings.signals.store import read_frames
@@ -101,15 +100,12 @@ def walked_s(content: WalkContent) -> float:
 
 
 def _found(session: Session, found: MotionSession, side: str) -> list[Repetition]:
-    result = recordings.result_of(session, found, None)
-    if result.pipeline == PIPELINE:
-        # Steps taken in another exercise, as of balance, are no repetitions of it.
-        return []
-    source = load_source(session, found, result)
     try:
-        return source.judged(side)
-    except EstimationError:
-        # Nothing of that arm was worn.
+        source = load_source(session, found, recordings.result_of(session, found, None))
+        # Steps taken in another exercise, as of balance, are no repetitions of it.
+        return source.judged(side) if source.cycles is None else []
+    except (EstimationError, InvalidInput):
+        # Nothing of that arm was worn, or the result holds nothing to compare.
         return []
 
 

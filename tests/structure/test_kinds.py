@@ -11,7 +11,6 @@ from estimators import pipelines
 
 ROOT = Path(__file__).resolve().parents[2]
 WITH_A_REASON = {
-    "app/assessment/practised.py": "steps taken in an exercise of another kind are no repetitions of it",
     "app/assessment/walk_progress.py": "progress of walks alone, by the results of their pipeline",
     "app/commands/process.py": "bursts are analysed by a command only, without sessions",
     "app/commands/processing/estimate.py": "walks write other files than frames",
