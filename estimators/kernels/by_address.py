@@ -20,7 +20,11 @@ def address_of(kernel: Callable[..., Any]) -> int:
     made = cast(Kernel, kernel)
     made.prepare()
     (found,) = made.overloads.values()
-    return int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+    address = int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+    if not address:
+        # Called, it would end the process.
+        raise LookupError(f"{found.fndesc.llvm_func_name} is in no library")
+    return address
 
 
 def caller(signature: Any) -> Callable[..., Any]:
