@@ -38,9 +38,9 @@ class Costs:
     stream_bytes_s: float = 31_000.0
     raw_bytes_s: float = 10_500.0
     frame_bytes_s: float = 2_500.0
-    checkpoint_bytes_s: float = 18_000.0
+    checkpoint_bytes_s: float = 27_000.0
     view_bytes_s: float = 60_000.0
-    detected_s: tuple[float, float] = (0.2, 0.4)
+    detected_s: tuple[float, float] = (0.3, 0.6)
     take_s: float = 0.1
     resume_ms: float = 30.0
 

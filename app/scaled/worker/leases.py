@@ -2,7 +2,8 @@
 
 A lease is a key that its holder writes anew a few times in its length. Who sees a key unchanged for that length, by the
 own clock, may write it, on condition that it is still the same: of several only one succeeds. Workers write that they
-live in the same way; each wants its share of the partitions (`share_of`), and gives one back when it has more. The keys
+live in the same way; each wants its share of the partitions (`share_of`), and gives one back when it has more, the next
+when that one is taken up. The keys
 of a worker whose process has ended are deleted by another one (`app.scaled.worker.presence`), and free at once.
 
 A lease only decides who tries. That an earlier holder writes nothing is the database's word, see `app.scaled.fencing`.
@@ -17,12 +18,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, Protocol
 
 import nats
+from nats.aio.msg import Msg
 from nats.js.errors import Error as StreamError
 from nats.js.errors import KeyNotFoundError, KeyWrongLastSequenceError
 from nats.js.kv import KeyValue
 
 from app.scaled.broker import Broker
 from app.scaled.placement import share_of
+from app.scaled.wire import subject
 from app.scaled.worker.ending import end
 from app.scaled.worker.presence import WORKER, Presence
 
@@ -30,6 +33,11 @@ logger = logging.getLogger(__name__)
 
 TURNS: Final = 5
 """In the length of a lease."""
+TAKEN_S: Final = 3.0
+"""So long the next partition is not given back until the one before is taken up: who takes several at once shows
+nothing of any until the last is taken up."""
+STOP_S: Final = 20.0
+"""After so long a worker that stops gives back all that is left at once."""
 
 
 class Holder(Protocol):
@@ -72,10 +80,12 @@ class Leases:
         self._seen: dict[str, _Key] = {}
         self._held: dict[int, int] = {}
         """Revision of an own lease, by partition."""
-        self._moving: dict[int, asyncio.Task[None]] = {}
+        self._moving: dict[int, asyncio.Task[Any]] = {}
         """Partitions that are just being taken or given back; their leases are renewed meanwhile."""
         self._leaving: set[int] = set()
         """Of these, those that are given back."""
+        self._given: dict[int, asyncio.Event] = {}
+        """Set when another worker has taken a partition that was given back."""
         self._tasks: list[asyncio.Task[None]] = []
         self._changed = asyncio.Event()
         self._presence = Presence(broker, worker, self._workers_seen, self._reap, length_s)
@@ -89,6 +99,7 @@ class Leases:
     async def start(self) -> None:
         """Begin to take partitions."""
         await self._presence.answer()
+        await self._broker.client.subscribe(subject("taken", "*"), cb=self._taken)
         self._tasks = [
             asyncio.create_task(self._forever(self._watch), name="lease watch"),
             asyncio.create_task(self._forever(self._turns), name="lease turns"),
@@ -96,12 +107,18 @@ class Leases:
         ]
 
     async def stop(self) -> None:
-        """Give every partition back, so that others take them at once."""
+        """Give every partition back, one after the other, so that others take them at once."""
         await end(self._tasks)
         await asyncio.gather(*self._moving.values(), return_exceptions=True)
         # Nobody counts on this one from now on.
         await self._ignoring(self._broker.leases.delete(f"worker.{self._worker}"))
-        await asyncio.gather(*(self._give_back(one) for one in list(self._held)), return_exceptions=True)
+        renewing = asyncio.create_task(self._forever(self._renew_held), name="lease renewals")
+        until_s = time.monotonic() + STOP_S
+        for partition in self.held:
+            if not await self._give_back(partition) or time.monotonic() > until_s:
+                break
+        await end([renewing])
+        await asyncio.gather(*(self._give_back(one) for one in self.held), return_exceptions=True)
 
     def _back(self) -> None:
         # What others wrote while the broker was away, or would have written, is awaited anew.
@@ -149,7 +166,7 @@ class Leases:
         await asyncio.sleep(self._length_s / TURNS)
         while True:
             began_s = time.monotonic()
-            await asyncio.gather(self._announce(), *(self._renew(one) for one in list(self._held)))
+            await asyncio.gather(self._announce(), *(self._renew(one) for one in self.held))
             # What becomes free in between is taken at once.
             next_s = began_s + self._length_s / TURNS
             while True:
@@ -167,6 +184,10 @@ class Leases:
 
     async def _announce(self) -> None:
         await self._broker.leases.put(f"{WORKER}{self._worker}", b"")
+
+    async def _renew_held(self) -> None:
+        await asyncio.gather(*(self._renew(one) for one in self.held))
+        await asyncio.sleep(self._length_s / TURNS)
 
     async def _renew(self, partition: int) -> None:
         revision, key = self._held.get(partition), _key(partition)
@@ -235,7 +256,7 @@ class Leases:
         # Side by side: each waits for the broker and the database.
         await asyncio.gather(*(self._acquire(one) for one in free[: share - len(staying)]))
 
-    def _move(self, partition: int, work: Coroutine[Any, Any, None]) -> None:
+    def _move(self, partition: int, work: Coroutine[Any, Any, Any]) -> None:
         task = self._moving[partition] = asyncio.create_task(work, name=f"move partition {partition}")
 
         def moved(_: asyncio.Task[None]) -> None:
@@ -276,15 +297,31 @@ class Leases:
                 # Lost while it was being taken.
                 self._holder.lose(partition)
 
-    async def _give_back(self, partition: int) -> None:
+    async def _give_back(self, partition: int) -> bool:
+        """Return whether another worker has taken the partition before `TAKEN_S` were over."""
+        taken = self._given[partition] = asyncio.Event()
         try:
-            await self._holder.give_back(partition)
-        except Exception:
-            logger.exception("partition %d was not given back as it should be", partition)
+            try:
+                await self._holder.give_back(partition)
+            except Exception:
+                logger.exception("partition %d was not given back as it should be", partition)
+            finally:
+                revision = self._held.pop(partition, None)
+                if revision is not None:
+                    await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
+            if revision is not None and self._workers_seen() - {self._worker}:
+                with contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(TAKEN_S):
+                        await taken.wait()
+            return taken.is_set()
         finally:
-            revision = self._held.pop(partition, None)
-            if revision is not None:
-                await self._ignoring(self._broker.leases.delete(_key(partition), last=revision))
+            self._given.pop(partition, None)
+
+    async def _taken(self, message: Msg) -> None:
+        """Hear that a worker has taken a partition, and that its sessions are taken up."""
+        taken = self._given.get(int(message.subject.rsplit(".", 1)[1]))
+        if taken is not None:
+            taken.set()
 
     def _lose(self, partition: int) -> None:
         self._held.pop(partition, None)

@@ -36,8 +36,8 @@ from app.scaled.worker.sessions import OfWorker, PartitionSessions
 logger = logging.getLogger(__name__)
 
 CHECKPOINT_S: Final = 2.0
-MARK_S: Final = 5.0
-"""Of a session, with every third commit of what came: at most six seconds are estimated again of one that moves."""
+MARK_S: Final = 3.0
+"""Of a session, with every other commit of what came: at most four seconds are estimated again of one that moves."""
 COMMIT_S: Final = 0.5
 """Longest time until an event is stored. Packets and frames are stored at checkpoints, all sessions in one commit: they
 are acknowledged already, and a commit costs as much for one session as for ten."""

@@ -2,8 +2,10 @@
 
 A lease tells of a death after its length. NATS knows sooner: the connection of a process that was killed ends with it,
 and a question to which nobody listens is refused by the server within a millisecond. Each worker asks the one whose
-name follows its own, so that the questions grow with the workers, not with their square. Who is silent in another way
-(paused, or cut off from the network) is known by the lease as before.
+name follows its own, so that the questions grow with the workers, not with their square. A process that is killed gives
+back its memory before its connections end, some tenths of a second for a large one: the question that reaches it
+meanwhile is not waited for. Who is silent in another way (paused, or cut off from the network) is known by the lease as
+before.
 """
 
 import asyncio
@@ -27,6 +29,7 @@ PERIOD_S: Final = 0.1
 TIMES: Final = 3
 """A worker is gone when so many questions in a row found nobody."""
 ANSWER_S: Final = 0.5
+"""So long an answer is awaited where there is only one question."""
 WORKER: Final = "worker."
 """Before the name of a worker in the key by which it says that it is there."""
 
@@ -86,7 +89,7 @@ class Presence:
         if following != self._asked:
             self._asked, self._unanswered = following, 0
         try:
-            await self._broker.client.request(subject("alive", following), timeout=ANSWER_S)
+            await self._broker.client.request(subject("alive", following), timeout=PERIOD_S)
         except NoRespondersError:
             self._unanswered += 1
         except (nats.errors.Error, OSError, TimeoutError):

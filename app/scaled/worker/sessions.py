@@ -28,8 +28,9 @@ from app.settings import Settings
 
 logger = logging.getLogger(__name__)
 
-AT_ONCE: Final = 4
-"""Sessions that are taken up at the same time after a partition was taken."""
+AT_ONCE: Final = 2
+"""Sessions that are taken up at the same time after a partition was taken. More threads of Python make it no sooner,
+and the event loop, for which the other partitions and those who watch wait, has its turn more rarely."""
 
 
 @dataclass(kw_only=True)

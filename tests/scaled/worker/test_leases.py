@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from nats.js.errors import KeyNotFoundError, KeyWrongLastSequenceError
 
-from app.scaled.worker.leases import Leases
+from app.scaled.worker.leases import Leases, _Key
 
 P = 3
 KEY = "partition.3"
@@ -19,7 +19,7 @@ class Bucket:
 
     def __init__(self) -> None:
         self.keys: dict[str, tuple[int, bytes]] = {}
-        self.answer: Callable[[], Awaitable[None]] | None = None
+        self.answer: Callable[[], Awaitable[object]] | None = None
         """Awaited by an update that is done, before its caller hears of it."""
         self._revision = 0
 
@@ -122,6 +122,48 @@ def test_a_partition_that_cannot_be_stored_is_free_all_the_same_and_so_are_the_o
 
     async def story() -> None:
         await acquired(leases, P, 4)
+        await leases.stop()
+
+    asyncio.run(story())
+    assert bucket.keys == {}
+    assert leases.held == []
+
+
+def other_there(leases: Leases) -> None:
+    leases._seen["worker.other"] = _Key(1, 0.0, b"")
+
+
+def test_who_stops_gives_the_next_partition_back_when_the_one_before_is_taken_up(made: Made) -> None:
+    bucket, _, leases = made
+    held: list[list[int]] = []
+
+    async def story() -> None:
+        await acquired(leases, 1, 2, 3)
+        other_there(leases)
+        stopping = asyncio.create_task(leases.stop())
+        for partition in (1, 2, 3):
+            # Longer than it takes to give one back.
+            await asyncio.sleep(0.1)
+            held.append(leases.held)
+            assert all(f"partition.{one}" in bucket.keys for one in leases.held)
+            message: Any = SimpleNamespace(subject=f"telemotion.taken.{partition}")
+            await leases._taken(message)
+        await stopping
+
+    asyncio.run(story())
+    assert held == [[2, 3], [3], []]
+    assert bucket.keys == {}
+
+
+def test_who_stops_gives_all_that_is_left_back_where_nobody_takes_them(
+    made: Made, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bucket, _, leases = made
+    monkeypatch.setattr("app.scaled.worker.leases.TAKEN_S", 0.01)
+
+    async def story() -> None:
+        await acquired(leases, 1, 2, 3)
+        other_there(leases)
         await leases.stop()
 
     asyncio.run(story())
