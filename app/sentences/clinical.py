@@ -25,7 +25,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         " foot.",
     },
     "template.by_hand": "Excluded by hand.",
-    "template.no_repetition": "There is no repetition {number} in this recording.",
+    "template.no_repetition": "Nothing in this recording has the number {number}.",
     "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"
     " and record again.",
     "design.no_channel": "The template has no curve {name}; choose one of those that it shows.",

@@ -65,7 +65,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Körper, und zeichnen Sie noch einmal auf.",
     "template.no_base": "Diese Version gehört zu einer anderen Vorlage; laden Sie die Seite neu, und ändern Sie"
     " die neueste.",
-    "template.no_repetition": "Eine Wiederholung {number} gibt es in dieser Aufzeichnung nicht.",
+    "template.no_repetition": "Die Nummer {number} gibt es in dieser Aufzeichnung nicht.",
     "template.not_found": "Die Vorlage wurde nicht gefunden, oder sie ist nicht für Sie freigegeben.",
     "template.other_angle": "{name} wurde in dieser Vorlage nicht aufgezeichnet; wählen Sie eine Übung mit einem"
     " ihrer Winkel.",

@@ -3,7 +3,7 @@ import type { ComparisonDetail } from '../../api/types';
 import { PaperPhases } from '../../charts/PaperChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
-import { outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
+import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
@@ -34,7 +34,7 @@ export function CurvesSheet({
           {t('phase.legendTemplate')}
         </LegendRow>
         <LegendStroke className="paper-line paper-line-strong">
-          {t('report.legendRepetitions', { count: comparison.repetition_count })}
+          {t(isOfStrides(comparison) ? 'report.legendStrides' : 'report.legendRepetitions', { count: comparison.repetition_count })}
         </LegendStroke>
         <LegendRow
           sign={

@@ -251,7 +251,7 @@ export const session: Translated<typeof english> = {
   'repetition.table': 'Nach Wiederholung',
   'repetition.mean': { one: '{count} Wiederholung', other: 'Mittel aus {count}' },
   'repetition.tableHelp':
-    'Nach ±: eine Standardabweichung; bei einer Wiederholung die der Schätzung, beim Mittel die zwischen den Wiederholungen.',
+    'Nach ±: eine Standardabweichung; in jeder Zeile die der Schätzung, beim Mittel die zwischen den Zeilen.',
 
   'compare.title': 'Vergleich',
   'compare.withStrides': {
@@ -306,14 +306,14 @@ export const session: Translated<typeof english> = {
   'phase.stance': 'Stand',
   'phase.swing': 'Schwung',
   'phase.summary':
-    '{label} über die Phasen der Bewegung: Die Vorlage reicht von {low} bis {high}; {count} Wiederholungen gezeichnet.',
+    '{label} über die Phasen der Bewegung: Die Vorlage reicht von {low} bis {high}; {count} Kurven gezeichnet.',
   'phase.summaryOutside': {
-    one: '{count} Wiederholung verlässt das Band.',
-    other: '{count} Wiederholungen verlassen das Band.',
+    one: '{count} Kurve verlässt das Band.',
+    other: '{count} Kurven verlassen das Band.',
   },
   'phase.legendTemplate': 'Vorlage mit ihrem Band',
   'phase.legendPatient': 'Patient/in',
-  'phase.legendRepetition': 'Wiederholungen',
+  'phase.legendRepetition': 'Aufgezeichnete Kurven',
   'phase.legendOutside': 'Außerhalb des Bandes',
 
   'details.title': 'Einzelheiten',

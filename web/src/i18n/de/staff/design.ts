@@ -21,7 +21,7 @@ export const design: Translated<typeof english> = {
   'design.isRecorded': 'Band wie aufgezeichnet',
   'design.legendBand': 'Noch richtig',
   'design.legendMean': 'Die aufgezeichnete Bewegung',
-  'design.legendRepetition': 'Einzelne Wiederholungen',
+  'design.legendRepetition': 'Aufgezeichnete Kurven',
   'design.chart': '{curve} über die Bewegung, mit Band und Phasen',
   'design.help':
     'Ziehen Sie einen Griff nach oben oder unten; jenseits des Randes ist er frei. Ziehen Sie die runden Griffe darunter, um das Ende einer Phase zu verschieben. Mit Tasten: Pfeile, mit der Umschalttaste fünfmal so weit, F für frei.',

@@ -65,10 +65,11 @@ export const report: Translated<typeof english> = {
   'report.chance': '{change}, im Zufallsbereich',
   'report.unjudged': 'zu wenige Sitzungen',
   'report.tableHelp':
-    'Nach ±: eine Standardabweichung zwischen den Wiederholungen. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Sitzungen.',
+    'Nach ±: eine Standardabweichung innerhalb der Sitzung. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Sitzungen.',
   'report.isFirst': 'eine der ersten drei',
   'report.isFirstText': 'Eine der ersten drei Sitzungen: Mit diesen werden die späteren verglichen.',
   'report.legendRepetitions': { one: 'Patient/in, {count} Wiederholung', other: 'Patient/in, {count} Wiederholungen' },
+  'report.legendStrides': { one: 'Patient/in, {count} Doppelschritt', other: 'Patient/in, {count} Doppelschritte' },
   'report.legendOutside': 'Außerhalb des Bandes: dick und rot, mit einem Balken darunter',
   'report.outside': {
     one: '{count} von {of} Wiederholungen verlässt das Band.',

@@ -245,7 +245,7 @@ export const session = {
   'repetition.table': 'By repetition',
   'repetition.mean': { one: '{count} repetition', other: 'Mean of {count}' },
   'repetition.tableHelp':
-    'After ±: one standard deviation; of the estimate for a repetition, between repetitions for the mean.',
+    'After ±: one standard deviation; of the estimate in each line, between the lines for the mean.',
 
   'compare.title': 'Comparison',
   'compare.withStrides': {
@@ -297,11 +297,11 @@ export const session = {
   'phase.stance': 'Stance',
   'phase.swing': 'Swing',
   'phase.summary':
-    '{label} over the phases of the movement: the template runs from {low} to {high}; {count} repetitions drawn.',
-  'phase.summaryOutside': { one: '{count} repetition leaves the band.', other: '{count} repetitions leave the band.' },
+    '{label} over the phases of the movement: the template runs from {low} to {high}; {count} curves drawn.',
+  'phase.summaryOutside': { one: '{count} curve leaves the band.', other: '{count} curves leave the band.' },
   'phase.legendTemplate': 'Template and its band',
   'phase.legendPatient': 'Patient',
-  'phase.legendRepetition': 'Repetitions',
+  'phase.legendRepetition': 'Recorded curves',
   'phase.legendOutside': 'Outside the band',
 
   'details.title': 'Details',

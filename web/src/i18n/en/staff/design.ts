@@ -17,7 +17,7 @@ export const design = {
   'design.isRecorded': 'Band as recorded',
   'design.legendBand': 'Still right',
   'design.legendMean': 'The recorded movement',
-  'design.legendRepetition': 'Single repetitions',
+  'design.legendRepetition': 'Recorded curves',
   'design.chart': '{curve} over the movement, with the band and the phases',
   'design.help':
     'Drag a grip up or down; past the rim it is free. Drag the round grips below to move where a phase ends. With keys: arrows, with Shift five times as far, F for free.',

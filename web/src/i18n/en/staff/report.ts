@@ -62,10 +62,11 @@ export const report = {
   'report.chance': '{change}, within chance variation',
   'report.unjudged': 'too few sessions',
   'report.tableHelp':
-    'After ±: one standard deviation between repetitions. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
+    'After ±: one standard deviation within the session. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
   'report.isFirst': 'one of the first three',
   'report.isFirstText': 'One of the first three sessions: the later ones are compared with these.',
   'report.legendRepetitions': { one: 'Patient, {count} repetition', other: 'Patient, {count} repetitions' },
+  'report.legendStrides': { one: 'Patient, {count} stride', other: 'Patient, {count} strides' },
   'report.legendOutside': 'Outside the band: thick and red, with a bar below',
   'report.outside': {
     one: '{count} of {of} repetitions leaves the band.',
