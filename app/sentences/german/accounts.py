@@ -329,7 +329,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "dose.walk": "1 Gang",
     "dose.weekly": {
         "one": "{amount}, einmal pro Woche",
-        "other": "{amount}, {count}-mal pro Woche",
+        "other": "{amount}, {count}\u2011mal pro Woche",
     },
     "edge.body_too_large": "Die Anfrage ist größer als die Grenze von {limit_bytes:mib~3}.",
     "edge.body_too_slow": "Die Anfrage stockte oder kam {patience_s:s} lang zu langsam; senden Sie sie noch"

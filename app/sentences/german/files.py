@@ -94,7 +94,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "findings.range_smaller": "{channel:channel}: Der Umfang war um {difference_rad:deg} kleiner als in der"
     " Vorlage ({value_rad:deg} gegenüber {reference_rad:deg}).",
     "findings.shoulder_rose": "Ausweichbewegung: Die Schulter hob sich {more_m:cm} mehr als in der Vorlage.",
-    "findings.slower": "Jede Wiederholung dauerte {ratio:number.1}-mal so lange wie in der Vorlage"
+    "findings.slower": "Jede Wiederholung dauerte {ratio:number.1}\u2011mal so lange wie in der Vorlage"
     " ({value_s:s.1} gegenüber {reference_s:s.1}).",
     "findings.smoother": "Die Bewegung war flüssiger als in der Vorlage (Bewegungsfluss {value:number.1}"
     " gegenüber {reference:number.1}).",
@@ -143,7 +143,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     },
     "findings.strides_faster": "Jeder Doppelschritt war schneller als in der Vorlage ({value_s:s.1} gegenüber"
     " {reference_s:s.1}).",
-    "findings.strides_slower": "Jeder Doppelschritt dauerte {ratio:number.1}-mal so lange wie in der Vorlage"
+    "findings.strides_slower": "Jeder Doppelschritt dauerte {ratio:number.1}\u2011mal so lange wie in der Vorlage"
     " ({value_s:s.1} gegenüber {reference_s:s.1}).",
     "findings.some_trunk": {
         "one": "Ausweichbewegung in Wiederholung {repetitions:and}: {channel:channel} {more_rad:deg} mehr als in"

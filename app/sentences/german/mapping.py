@@ -67,7 +67,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "markers.residual": "Zwischen Markern und Sensor bleiben {residual_m:mm}, was kein Sensor erklärt. Wählen"
     " Sie den Sensor, der den Marker trug, und prüfen Sie, ob Datei und Sitzung von derselben Aufzeichnung"
     " sind.",
-    "markers.scale": "Ihre Längen sind das {scale:number~3}-fache (± {sigma:number~1}) der vom Sensor"
+    "markers.scale": "Ihre Längen sind das {scale:number~3}\u2011fache (± {sigma:number~1}) der vom Sensor"
     " gemessenen. Prüfen Sie die Einheit der Datei.",
     "markers.seen_short": "Neben dem Sensor war der Marker weniger als {least_s:s} zu sehen.",
     "markers.short": "Die Aufzeichnung des Sensors ist für seine Marker zu kurz.",
@@ -84,7 +84,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "markers.up": "Ihre Achse {up} zeigt nach oben, nicht z: Wählen Sie {up} als Achse, die nach oben zeigt.",
     "markers.up_mirrored": "Ihre Achse {up} zeigt nach oben, nicht z.",
     "markers.walk": "Die Marker nach Lücken passen nur, wenn sich die Nullpunkte des Sensors"
-    " {times:number~3}-mal so schnell ändern dürfen.",
+    " {times:number~3}\u2011mal so schnell ändern dürfen.",
     "mass_centre.sensors": "Der Körperschwerpunkt braucht Sensoren an beiden Oberschenkeln und an Brust oder"
     " Becken.",
     "mat.unreadable": "Die Datei ist nicht als .mat-Datei lesbar; speichern Sie sie als Version 5 oder 7.",

@@ -55,7 +55,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Grad/s sind als rad/s angegeben. Durch 57,296 teilen oder Grad/s angeben.",
     "readings.gyroscope_restless": "{where:place}: Das Gyroskop zeigt {rate_radps:number~2} rad/s, während der"
     " Sensor still liegt. Sind das Grad/s, geben Sie sie so an; sonst bestimmen Sie den Gyroskop-Nullpunkt.",
-    "readings.gyroscope_scale": "{where:place}: Das Gyroskop zeigt das {factor:number~3}-fache der Drehung des"
+    "readings.gyroscope_scale": "{where:place}: Das Gyroskop zeigt das {factor:number~3}\u2011fache der Drehung des"
     " Sensors, nach Schwerkraft und Feld beurteilt. Prüfen Sie Einheit und Skalenfaktor.",
     "readings.gyroscope_silent": "{where:place}: Der Sensor dreht sich, aber sein Gyroskop zeigt nichts."
     " Tauschen Sie ihn aus.",

@@ -88,7 +88,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "one": "Die Zeiten haben keine Zone und springen an einer vollen Stunde um eine Stunde: Angenommen"
         " wird, dass dort die Uhr umgestellt wurde. Wenn die Aufzeichnung stattdessen eine Stunde ruhte,"
         " schreiben Sie die Zeiten mit ihrer Zone.",
-        "other": "Die Zeiten haben keine Zone und springen {count:number}-mal an einer vollen Stunde um eine"
+        "other": "Die Zeiten haben keine Zone und springen {count:number}\u2011mal an einer vollen Stunde um eine"
         " Stunde: Angenommen wird, dass dort die Uhr umgestellt wurde. Wenn die Aufzeichnung stattdessen eine"
         " Stunde ruhte, schreiben Sie die Zeiten mit ihrer Zone.",
     },
@@ -99,7 +99,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "time.midnight": {
         "one": "Die Uhrzeiten haben kein Datum und gehen einmal über Mitternacht; dort wird der nächste Tag"
         " angenommen.",
-        "other": "Die Uhrzeiten haben kein Datum und gehen {count:number}-mal über Mitternacht; dort wird"
+        "other": "Die Uhrzeiten haben kein Datum und gehen {count:number}\u2011mal über Mitternacht; dort wird"
         " jeweils der nächste Tag angenommen.",
     },
     "time.missing": {
@@ -121,7 +121,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "time.set_back": {
         "one": "Die Zeit wurde in der Aufzeichnung einmal zurückgestellt; dort wird eine Pause von"
         " {pause_s:s} angenommen.",
-        "other": "Die Zeit wurde in der Aufzeichnung {count:number}-mal zurückgestellt; dort wird jeweils eine"
+        "other": "Die Zeit wurde in der Aufzeichnung {count:number}\u2011mal zurückgestellt; dort wird jeweils eine"
         " Pause von {pause_s:s} angenommen.",
     },
     "triad.accelerometer": "Beschleunigungssensor",

@@ -14,7 +14,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "walk.feet_only": "Die Füße werden durch eine Magnetquelle an einem Fuß und einen Sensor am anderen in"
     " Beziehung gesetzt, durch nichts anderes.",
     "walk.feet_unrelated": "Die Lage der Füße zueinander ist nicht bekannt. {reason}",
-    "walk.few_footholds": "Jeder Fuß muss mindestens {least:number}-mal stehen, bevor die Füße in Beziehung"
+    "walk.few_footholds": "Jeder Fuß muss mindestens {least:number}\u2011mal stehen, bevor die Füße in Beziehung"
     " gesetzt werden können. Gehen Sie weiter.",
     "walk.forces_partly": "Kräfte sind nur von {start_s:s.1} bis {end_s:s.1} bekannt: {lost_s:s.1} lang kamen"
     " keine brauchbaren Daten von: {places:place}.",

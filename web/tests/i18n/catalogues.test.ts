@@ -79,6 +79,11 @@ describe.each(PAIRS)('the %s', (_, ours, theirs) => {
       .filter(([, text]) => STOP.test(plain(text)));
     expect(found.map(([key, text]) => `${key}: ${text}`)).toEqual([]);
   });
+
+  it('let no line end between a number and what hangs on it', () => {
+    const broken = Object.entries(theirs).filter(([, entry]) => texts(entry).some((text) => /\}-\p{Ll}/u.test(text)));
+    expect(broken.map(([key]) => key)).toEqual([]);
+  });
 });
 
 describe('German', () => {

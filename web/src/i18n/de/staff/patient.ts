@@ -20,7 +20,7 @@ export const patient: Translated<typeof english> = {
   'patient.agreesHelp':
     'Die Praxis darf die Bewegungsdaten für die Behandlung verwenden. Fragen Sie zuerst: Ohne Einwilligung kann nichts aufgezeichnet werden. Sie können die Antwort auch später eintragen.',
   'patient.born': 'Geboren',
-  'patient.bornAge': '{date}, {age} Jahre',
+  'patient.bornAge': '{date}, {age}\u00a0Jahre',
   'patient.sensors': 'Sensoren',
   'patient.mountingKnown': 'Sensorlage gespeichert',
   'patient.mountingUnknown': 'Noch nicht kalibriert',
@@ -53,7 +53,7 @@ export const patient: Translated<typeof english> = {
 
   'audit.open': 'Wer die Daten angesehen hat',
   'audit.none': 'Noch niemand hat sie angesehen.',
-  'audit.times': '({count}-mal)',
+  'audit.times': '({count}\u2011mal)',
 
   'audit.account.create': 'hat das Konto angelegt',
   'audit.account.sign_in': 'hat sich angemeldet',

@@ -53,7 +53,7 @@ export const balance: Translated<typeof english> = {
   'stand.fewer': 'Weniger Maße',
   'stand.romberg.firm': 'Augen geschlossen gegenüber offen, fester Boden',
   'stand.romberg.foam': 'Augen geschlossen gegenüber offen, Schaumstoff',
-  'stand.rombergText': '{measure}: {ratio}-mal so viel',
+  'stand.rombergText': '{measure}: {ratio}\u2011mal so viel',
   'stand.rombergHelp': 'Über 1: Ohne Sicht ist das Schwanken größer (Romberg-Quotient).',
   'stand.reach': 'Reichweite',
   'stand.reachText': '{way} nach vorn, Rumpfneigung {angle}',
