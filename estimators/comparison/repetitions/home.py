@@ -18,6 +18,8 @@ from estimators.comparison.repetitions.path import Path
 
 _TRIED: Final = 0.25
 """Share of the size beyond which leaving home was a try."""
+_HALF_WAY: Final = 0.5
+"""Share of a try: who stays further from home than that holds, who stays nearer has come home."""
 _RIVAL: Final = 0.5
 _CUTS: Final = 25
 _ELSEWHERE: Final = 0.5
@@ -28,6 +30,10 @@ _NEAR: Final = 0.12
 """Share of the size within which somebody stays where they are."""
 _AROUND: Final = 0.12
 """Share of a repetition by which the stay at home may be away from where the path was cut."""
+_FEW: Final = 0.25
+"""Share of the repetitions: so many may have taken a try with them; more that stay at home on their way do it so."""
+_WITHIN: Final = 0.3
+"""Share of a repetition that may be part of a try next to it."""
 _STILL, _MUCH_SLOWER = 0.1, 5.0
 """Of the longest stay and of the usual time for a step of the path: what lasts longer is a stay as well."""
 _REST_S: Final = 0.4
@@ -117,16 +123,94 @@ def with_tries(one: Explanation, path: Path) -> Explanation:
     ----------
     one : Explanation
     path : Path
+
+    Notes
+    -----
+    What comes again may take with it the beginning of a try that follows, or the end of one before: the way between two
+    repetitions is looked at from the stay at home at which the first arrives to that which the second leaves. Every
+    stay at home on that way ends a try, unless a whole repetition stays at home on its way too.
     """
-    piece = path.points[one.piece[0] : one.piece[1] + 1]
-    size = float(np.linalg.norm(piece - piece[0], axis=1).max())
-    tries = []
-    for (_, b), (a, _) in pairwise(one.matches.tolist()):
-        away = np.linalg.norm(path.points[b : a + 1] - path.points[b], axis=1)
-        if away.max() > _TRIED * size and away[-1] < OPEN * size:
-            tries.append((b, a))
-    both = np.concatenate([one.matches, tries]) if tries else one.matches
+    size = _extent(path, *one.piece)
+    are_many = not _comes_home_inside(one, path, size)
+    may_take = are_many and not _passes_home(one, path, size)
+    matches = one.matches.copy()
+    stays = at_home(one, path)
+    tries: list[tuple[int, int]] = []
+    for k in range(len(matches) - 1):
+        ways = [(int(matches[k, 1]), int(matches[k + 1, 0]))]
+        if are_many:
+            ways.insert(0, (_longest(path, stays[k, 1]), _longest(path, stays[k + 1, 0])))
+        if may_take:
+            arrived = _back_home(path, int(matches[k, 1]), -_reach(matches[k]), _longest(path, stays[k, 0]))
+            left = _back_home(
+                path, int(matches[k + 1, 0]), _reach(matches[k + 1]), _longest(path, stays[k + 1, 1])
+            )
+            ways.insert(0, (arrived, left))
+        for arrived, left in ways:
+            found = _tries(path, arrived, left, size, are_many)
+            if found:
+                matches[k, 1], matches[k + 1, 0] = arrived, left
+                tries.extend(found)
+                break
+    both = np.concatenate([matches, tries]) if tries else matches
     return replace(one, matches=both[np.argsort(both[:, 0])])
+
+
+def _extent(path: Path, first: int, last: int) -> float:
+    """How far a piece of the path goes from where it begins."""
+    return float(np.linalg.norm(path.points[first : last + 1] - path.points[first], axis=1).max())
+
+
+def _reach(match: NDArray[np.int64]) -> int:
+    return round(_WITHIN * float(match[1] - match[0]))
+
+
+def _back_home(path: Path, end: int, reach: int, home: int) -> int:
+    """Return where somebody stays longest at home within a reach of an end of a repetition; the end, where nobody does.
+
+    Home is where the repetition's other end is.
+    """
+    first, last = max(min(end, end + reach), 0), max(end, end + reach)
+    away = np.linalg.norm(path.points[first : last + 1] - path.points[home], axis=1)
+    stay = np.where(away < _NEAR * path.size, path.stay[first : last + 1], 0.0)
+    return first + int(np.argmax(stay)) if stay.max() >= path.slow else end
+
+
+def _longest(path: Path, stay: NDArray[np.int64]) -> int:
+    """Return the point of a stay at which somebody is longest."""
+    first, last = int(stay[0]), int(stay[1])
+    return first + int(np.argmax(path.stay[first : last + 1]))
+
+
+def _comes_home_inside(one: Explanation, path: Path, size: float) -> bool:
+    """Whether repetitions stay at home on their way, more of them than may have taken a try with them."""
+    return sum(len(_tries(path, a, b, size, True)) > 1 for a, b in one.matches.tolist()) > _FEW * len(
+        one.matches
+    )
+
+
+def _passes_home(one: Explanation, path: Path, size: float) -> bool:
+    """Whether a repetition comes by home on its way, and leaves it once more."""
+    first, last = one.piece
+    away = np.linalg.norm(path.points[first : last + 1] - path.points[first], axis=1)
+    out = np.flatnonzero(away > _TRIED * size)
+    return bool((np.diff(out) > 1).any())
+
+
+def _tries(path: Path, first: int, last: int, size: float, are_many: bool) -> list[tuple[int, int]]:
+    """Part the way between two points at the stays where it began; empty where it does not leave, or not come back."""
+    away = np.linalg.norm(path.points[first : last + 1] - path.points[first], axis=1)
+    if last <= first or away.max() <= _TRIED * size or away[-1] >= OPEN * size:
+        return []
+    bounds = [0]
+    stay = path.stay[first : last + 1]
+    for out, again in pairwise(np.flatnonzero(away > _TRIED * size).tolist() if are_many else ()):
+        if again > out + 1:
+            home = out + 1 + int(np.argmax(stay[out + 1 : again]))
+            if stay[home] >= path.slow and away[home] < _HALF_WAY * away[bounds[-1] : out + 1].max():
+                bounds.append(home)
+    bounds.append(last - first)
+    return [(first + a, first + b) for a, b in pairwise(bounds)]
 
 
 def at_home(one: Explanation, path: Path) -> NDArray[np.int64]:
