@@ -131,23 +131,39 @@ def accumulate(cost: Float, band: int, stray: float) -> Float:  # pragma: no cov
     return total
 
 
-def _backtrack(total: Float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Walk the cheapest path back; a tie goes to the diagonal."""
+@compiled("Tuple((int64[::1], int64[::1]))(float64[:,::1])", error_model="python")
+def backtrack(total: Float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # pragma: no cover
+    """Walk the cheapest path back; a tie goes to the diagonal.
+
+    Parameters
+    ----------
+    total : ndarray, shape (N, M)
+        From `accumulate`.
+
+    Returns
+    -------
+    first, second : ndarray of int, shape (L,)
+        The path from (0, 0) to the two ends.
+    """
     i, j = total.shape[0] - 1, total.shape[1] - 1
-    first, second = [i], [j]
-    while i or j:
-        diagonal = total[i - 1, j - 1] if i and j else np.inf
-        up = total[i - 1, j] if i else np.inf
-        left = total[i, j - 1] if j else np.inf
-        if diagonal <= up and diagonal <= left:
+    first = np.empty(i + j + 1, dtype=np.int64)
+    second = np.empty(i + j + 1, dtype=np.int64)
+    at = i + j
+    first[at], second[at] = i, j
+    while i > 0 or j > 0:
+        diagonal = total[i - 1, j - 1] if i > 0 and j > 0 else np.inf
+        up = total[i - 1, j] if i > 0 else np.inf
+        left = total[i, j - 1] if j > 0 else np.inf
+        # At an edge nothing else leads on, whatever the cost of the way.
+        if i > 0 and j > 0 and diagonal <= up and diagonal <= left:
             i, j = i - 1, j - 1
-        elif up <= left:
+        elif j == 0 or (i > 0 and up <= left):
             i -= 1
         else:
             j -= 1
-        first.append(i)
-        second.append(j)
-    return np.array(first[::-1], dtype=np.int64), np.array(second[::-1], dtype=np.int64)
+        at -= 1
+        first[at], second[at] = i, j
+    return first[at:].copy(), second[at:].copy()
 
 
 def align(first: Float, second: Float, scale: Float, band: float = BAND) -> Alignment:
@@ -189,7 +205,7 @@ def align(first: Float, second: Float, scale: Float, band: float = BAND) -> Alig
         np.ascontiguousarray(second[:, used] / scale[used]),
     )
     width = max(2, round(band * second.shape[0]))
-    first_index, second_index = _backtrack(accumulate(cost, width, STRAY_PENALTY))
+    first_index, second_index = backtrack(accumulate(cost, width, STRAY_PENALTY))
     return Alignment(
         rms=_path_rms(cost, first_index, second_index),
         first_index=first_index,

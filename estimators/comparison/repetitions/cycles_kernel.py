@@ -86,54 +86,60 @@ def search(
     only the best is followed, and distances are counted from its beginning.
     """
     rows, columns, dimensions = piece.shape[0], path.shape[0], piece.shape[1]
-    cost = np.full((3, columns), np.inf)
-    start = np.full((3, columns), -1)
-    for i in range(rows):
-        now, last, before = i % 3, (i + 2) % 3, (i + 1) % 3
-        for j in range(columns):
-            cost[now, j] = np.inf
-            start[now, j] = -1
-            if i == 0:
-                square = 0.0
-                for d in range(dimensions):
-                    square += (path[j, d] - piece[0, d]) ** 2
-                if square <= furthest * furthest:
-                    cost[now, j] = 0.0
-                    start[now, j] = j
-                continue
-            for step in range(3):
-                if step == 0:
-                    row, column, middle_row, middle_column = last, j - 1, i, j
-                elif step == 1:
-                    if i < 2:
-                        continue
-                    row, column, middle_row, middle_column = before, j - 1, i - 1, j
-                else:
-                    row, column, middle_row, middle_column = last, j - 2, i, j - 1
-                if column < 0 or start[row, column] < 0 or cost[row, column] >= cost[now, j]:
-                    continue
-                origin = start[row, column]
-                here = 0.0
-                middle = 0.0
-                for d in range(dimensions):
-                    shift = path[origin, d] - piece[0, d]
-                    here += (path[j, d] - shift - piece[i, d]) ** 2
-                    middle += (path[middle_column, d] - shift - piece[middle_row, d]) ** 2
-                if here > stray * stray or middle > stray * stray:
-                    continue
-                # Every point of the piece weighs the same, however many of the path it is matched with: weights that
-                # count both would favour short matches.
-                total = cost[row, column]
-                total += here if step == 0 else (middle + here if step == 1 else 0.5 * (middle + here))
-                if total < cost[now, j]:
-                    cost[now, j] = total
-                    start[now, j] = origin
-    final = (rows - 1) % 3
-    rms = np.full(columns, np.inf)
+    widest = stray * stray
+    shift = path - piece[0]
+    now, last, before = np.full(columns, np.inf), np.full(columns, np.inf), np.full(columns, np.inf)
+    begun, begun_last, begun_before = np.full(columns, -1), np.full(columns, -1), np.full(columns, -1)
     for j in range(columns):
-        if start[final, j] >= 0:
-            rms[j] = np.sqrt(cost[final, j] / (rows - 1))
-    return rms, start[final].copy()
+        square = 0.0
+        for d in range(dimensions):
+            square += shift[j, d] ** 2
+        if square <= furthest * furthest:
+            now[j] = 0.0
+            begun[j] = j
+    for i in range(1, rows):
+        now, last, before = before, now, last
+        begun, begun_last, begun_before = begun_before, begun, begun_last
+        now[0] = np.inf
+        begun[0] = -1
+        for j in range(1, columns):
+            # A cell that nothing leads to costs infinitely much, which nothing is cheaper than: `least` keeps it out.
+            least = np.inf
+            origin = -1
+            # Every point of the piece weighs the same, however many of the path it is matched with: weights that count
+            # both would favour short matches.
+            if last[j - 1] < least:
+                far = begun_last[j - 1]
+                here = 0.0
+                for d in range(dimensions):
+                    here += (path[j, d] - shift[far, d] - piece[i, d]) ** 2
+                if here <= widest:
+                    least = last[j - 1] + here
+                    origin = far
+            if i > 1 and before[j - 1] < least:
+                far = begun_before[j - 1]
+                here, middle = 0.0, 0.0
+                for d in range(dimensions):
+                    there = path[j, d] - shift[far, d]
+                    here += (there - piece[i, d]) ** 2
+                    middle += (there - piece[i - 1, d]) ** 2
+                total = before[j - 1] + (middle + here)
+                if here <= widest and middle <= widest and total < least:
+                    least = total
+                    origin = far
+            if j > 1 and last[j - 2] < least:
+                far = begun_last[j - 2]
+                here, middle = 0.0, 0.0
+                for d in range(dimensions):
+                    here += (path[j, d] - shift[far, d] - piece[i, d]) ** 2
+                    middle += (path[j - 1, d] - shift[far, d] - piece[i, d]) ** 2
+                total = last[j - 2] + 0.5 * (middle + here)
+                if here <= widest and middle <= widest and total < least:
+                    least = total
+                    origin = far
+            now[j] = least
+            begun[j] = origin
+    return np.sqrt(now / (rows - 1)), begun
 
 
 @compiled("int64[:,::1](float64[::1], int64[::1])", error_model="python")
