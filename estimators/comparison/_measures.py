@@ -205,7 +205,8 @@ def repetition_measures(
     profile = speed_profile(source, arm, side, primary, turning)
     if profile is None:
         return measures
-    measures.extend(_speed_measures(profile))
+    noise = noise_level(profile.values, profile.rate_hz)
+    measures.extend(_speed_measures(profile, noise))
     if smoothed is not None:
         measures.append(units_measure(smoothed, profile.rate_hz, reach_m, measures[-1].uncertainty, sigma_m))
     angle = arm.column(primary)
@@ -213,8 +214,8 @@ def repetition_measures(
         path = fill_gaps(angle[:, None])[0]
     if path is not None:
         rise = UNIT_RISE_RADPS if turning else UNIT_RISE_MPS
-        measures.extend(stroke_measures(profile.values, path, profile.rate_hz, rise))
         stroke = outward_stroke(path, profile.rate_hz)
+        measures.extend(stroke_measures(profile.values, path, profile.rate_hz, rise, stroke, noise))
         measures.extend(coordination_measures(arm, side, stroke, profile.rate_hz))
     return measures
 
@@ -285,11 +286,10 @@ def _path_ratio(path: Float, sigma_m: float) -> Measure:
     return _single("hand_path_ratio", "path", ratio, "1", ratio * 2.0 * sigma_m / straight_m)
 
 
-def _speed_measures(profile: SpeedProfile) -> list[Measure]:
+def _speed_measures(profile: SpeedProfile, noise: float) -> list[Measure]:
     speed, rate_hz = profile.values, profile.rate_hz
     rise = UNIT_RISE_RADPS if profile.is_turning else UNIT_RISE_MPS
     name, unit = ("turning_speed", "rad/s") if profile.is_turning else ("speed", "m/s")
-    noise = noise_level(speed, rate_hz)
     units = [movement_units(speed, rate_hz, factor * rise) for factor in (0.5, 1.0, 1.5)]
     return [
         _single(f"peak_{name}", "path", speed.max(), unit, noise),
@@ -299,7 +299,7 @@ def _speed_measures(profile: SpeedProfile) -> list[Measure]:
             "smoothness",
             spectral_arc_length(speed, rate_hz),
             "1",
-            spectral_arc_length_uncertainty(speed, rate_hz),
+            spectral_arc_length_uncertainty(speed, rate_hz, noise),
         ),
         # What the choice of the smallest push changes is the uncertainty of the count.
         _single("movement_units", "smoothness", units[1], "count", (units[0] - units[2]) / 2),

@@ -43,8 +43,10 @@ def spectral_arc_length(speed: Float, rate_hz: float) -> float:
     points = 2 ** (int(np.ceil(np.log2(samples))) + PAD_LEVEL)
     magnitude = np.abs(np.fft.rfft(speed, points))
     frequency_hz = np.fft.rfftfreq(points, 1.0 / rate_hz)
-    magnitude /= magnitude.max()
-    inside = np.flatnonzero((frequency_hz <= CUT_OFF_HZ) & (magnitude >= AMPLITUDE_THRESHOLD))
+    # Of what is above the band nothing but its maximum counts.
+    band = int(np.searchsorted(frequency_hz, CUT_OFF_HZ, side="right"))
+    frequency_hz, magnitude = frequency_hz[:band], magnitude[:band] / magnitude.max()
+    inside = np.flatnonzero(magnitude >= AMPLITUDE_THRESHOLD)
     chosen = slice(inside[0], inside[-1] + 1)
     width_hz = frequency_hz[inside[-1]] - frequency_hz[inside[0]]
     if width_hz <= 0:
@@ -58,28 +60,37 @@ def noise_level(speed: Float, rate_hz: float) -> float:
 
     Scaled to the whole band, taking the noise as white; NaN where the rate shows nothing above it.
     """
-    if len(speed) < 16 or rate_hz <= 2.4 * CUT_OFF_HZ:
-        return float("nan")
-    window = np.hanning(len(speed))
-    power = np.abs(np.fft.rfft((speed - speed.mean()) * window)) ** 2
-    frequency_hz = np.fft.rfftfreq(len(speed), 1.0 / rate_hz)
+    return float(noise_levels(speed[None], rate_hz)[0])
+
+
+def noise_levels(signals: Float, rate_hz: float) -> Float:
+    """Return `noise_level` of several signals of the same ticks, shape (S, N): shape (S,)."""
+    samples = signals.shape[1]
+    if samples < 16 or rate_hz <= 2.4 * CUT_OFF_HZ:
+        return np.full(len(signals), np.nan)
+    window = np.hanning(samples)
+    signals = np.ascontiguousarray(signals)
+    spectrum = np.fft.rfft((signals - signals.mean(axis=1, keepdims=True)) * window, axis=1)
+    frequency_hz = np.fft.rfftfreq(samples, 1.0 / rate_hz)
+    power = np.abs(spectrum[:, int(np.searchsorted(frequency_hz, CUT_OFF_HZ, side="right")) :]) ** 2
     # rfft power per bin of white noise with variance s^2 is s^2 * sum(window^2).
-    return float(np.sqrt(power[frequency_hz > CUT_OFF_HZ].mean() / np.sum(window**2)))
+    return np.asarray(np.sqrt(power.mean(axis=1) / np.sum(window**2)))
 
 
-def spectral_arc_length_uncertainty(speed: Float, rate_hz: float, draws: int = 8) -> float:
+def spectral_arc_length_uncertainty(
+    speed: Float, rate_hz: float, level: float | None = None, draws: int = 8
+) -> float:
     """Return how far sensor noise alone moves the spectral arc length, one standard deviation.
 
-    Noise of the level found in the profile itself is added again `draws` times with a fixed seed.
+    Noise of the level found in the profile itself, which is `level` where it is known already, is added again `draws`
+    times with a fixed seed.
     """
-    level = noise_level(speed, rate_hz)
+    if level is None:
+        level = noise_level(speed, rate_hz)
     if not np.isfinite(level):
         return float("nan")
-    generator = np.random.default_rng(0)
-    values = [
-        spectral_arc_length(speed + generator.normal(0.0, level, len(speed)), rate_hz) for _ in range(draws)
-    ]
-    return float(np.std(values, ddof=1))
+    noise = np.random.default_rng(0).normal(0.0, level, (draws, len(speed)))
+    return float(np.std([spectral_arc_length(one, rate_hz) for one in speed + noise], ddof=1))
 
 
 def movement_units(speed: Float, rate_hz: float, rise: float = UNIT_RISE_MPS) -> int:

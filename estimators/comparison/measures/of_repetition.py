@@ -7,15 +7,14 @@ import numpy as np
 import scipy
 
 from estimators.comparison._contract import Measure
-from estimators.comparison._smoothness import noise_level
+from estimators.comparison._smoothness import noise_levels
 from estimators.comparison.channels.sided import SideChannels, fill_gaps
 from estimators.comparison.measures.coordination import interjoint_coordination
 from estimators.comparison.measures.strokes import (
     CUT_OFF_HZ,
     LEAST_PATH,
     SHORTEST_S,
-    log_dimensionless_jerk,
-    outward_stroke,
+    log_dimensionless_jerks,
     time_to_peak_speed,
     units_per_metre,
 )
@@ -28,7 +27,9 @@ _DRAWS: Final = 8
 _UNKNOWN: Final = float("nan")
 
 
-def stroke_measures(speed: Float, path: Float, rate_hz: float, unit_rise: float) -> list[Measure]:
+def stroke_measures(
+    speed: Float, path: Float, rate_hz: float, unit_rise: float, stroke: slice, noise: float
+) -> list[Measure]:
     """Measure the outward stroke: when it is fastest, and how smooth it is by jerk.
 
     Parameters
@@ -40,6 +41,10 @@ def stroke_measures(speed: Float, path: Float, rate_hz: float, unit_rise: float)
     rate_hz : float
     unit_rise : float
         Smallest rise of speed that is a push, in the unit of the speed: a stroke slower than that is none.
+    stroke : slice
+        Of the path, from `measures.strokes.outward_stroke`.
+    noise : float
+        Of the speed, from `noise_level`.
 
     Returns
     -------
@@ -54,20 +59,18 @@ def stroke_measures(speed: Float, path: Float, rate_hz: float, unit_rise: float)
     that the ends of the stroke are none of the filter's. Uncertainty is what noise of the level found in the signal
     changes, over draws with a fixed seed.
     """
-    stroke = outward_stroke(path, rate_hz)
     if stroke.stop - stroke.start < 3 or not speed[stroke].max() > unit_rise:
         reason = say("measure.no_stroke")
         return [
             Measure("time_to_peak_speed", "timing", _UNKNOWN, "%", _UNKNOWN, 1, reason),
             Measure("log_dimensionless_jerk", "smoothness", _UNKNOWN, "1", _UNKNOWN, 1, reason),
         ]
-    return [_peak_time(speed, stroke, rate_hz), _jerk(path, stroke, rate_hz)]
+    return [_peak_time(speed, stroke, noise), _jerk(path, stroke, rate_hz)]
 
 
-def _peak_time(speed: Float, stroke: slice, rate_hz: float) -> Measure:
+def _peak_time(speed: Float, stroke: slice, level: float) -> Measure:
     share = time_to_peak_speed(speed[stroke])
     own = speed[stroke]
-    level = noise_level(speed, rate_hz)
     # Any moment whose speed is the largest but for noise might be the true peak.
     rivals = np.flatnonzero(own >= own.max() - 2.0 * level) if np.isfinite(level) else np.zeros(0)
     spread = float(np.ptp(rivals)) / np.sqrt(12.0) if len(rivals) else _UNKNOWN
@@ -78,33 +81,43 @@ def _peak_time(speed: Float, stroke: slice, rate_hz: float) -> Measure:
 
 
 def _jerk(path: Float, stroke: slice, rate_hz: float) -> Measure:
-    velocity = np.gradient(path, 1.0 / rate_hz, axis=0)
-    value = log_dimensionless_jerk(_smooth(velocity, rate_hz)[stroke], rate_hz, None)
-    reason = "" if np.isfinite(value) else say("measure.stroke_short", least_s=SHORTEST_S)
     # Noise of places becomes noise of speed by the difference over two ticks.
-    level = np.array([noise_level(path[:, axis], rate_hz) for axis in range(path.shape[1])])
-    if not (np.isfinite(value) and np.isfinite(level).all()):
-        return Measure("log_dimensionless_jerk", "smoothness", value, "1", _UNKNOWN, 1, reason)
-    generator = np.random.default_rng(0)
-    shaken = path + level * generator.standard_normal((_DRAWS, *path.shape))
-    again = _smooth(np.gradient(shaken, 1.0 / rate_hz, axis=1), rate_hz, axis=1)
-    drawn = [log_dimensionless_jerk(one[stroke], rate_hz, None) for one in again]
-    return Measure(
-        "log_dimensionless_jerk", "smoothness", value, "1", float(np.std(drawn, ddof=1)), 1, reason
-    )
+    level = noise_levels(path.T, rate_hz)
+    # The path itself comes first, the draws after it.
+    paths = path[None]
+    if np.isfinite(level).all() and (stroke.stop - stroke.start - 1) / rate_hz >= SHORTEST_S:
+        generator = np.random.default_rng(0)
+        paths = np.concatenate([paths, path + level * generator.standard_normal((_DRAWS, *path.shape))])
+    velocity = _smooth(np.gradient(paths, 1.0 / rate_hz, axis=1), rate_hz)
+    value, *drawn = log_dimensionless_jerks(velocity[:, stroke], rate_hz).tolist()
+    reason = "" if np.isfinite(value) else say("measure.stroke_short", least_s=SHORTEST_S)
+    sigma = float(np.std(drawn, ddof=1)) if np.isfinite(value) and drawn else _UNKNOWN
+    return Measure("log_dimensionless_jerk", "smoothness", value, "1", sigma, 1, reason)
 
 
 @functools.cache
-def _low_pass(rate_hz: float) -> Float:
-    return np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
+def _low_pass(rate_hz: float) -> tuple[Float, Float]:
+    """Return the low pass in sections, and the state of each in which it has been at one for ever."""
+    sections = np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
+    return sections, np.asarray(scipy.signal.sosfilt_zi(sections))
 
 
-def _smooth(velocity: Float, rate_hz: float, axis: int = 0) -> Float:
+def _smooth(velocity: Float, rate_hz: float) -> Float:
+    """Filter forwards and backwards along the second axis, as `scipy.signal.sosfiltfilt` does, shape (S, N, D)."""
     if 0.45 * rate_hz <= CUT_OFF_HZ:
         return velocity
-    sections = _low_pass(round(rate_hz, 6))
-    pad = min(3 * round(rate_hz / CUT_OFF_HZ), velocity.shape[axis] - 1)
-    return np.asarray(scipy.signal.sosfiltfilt(sections, velocity, axis=axis, padlen=pad))
+    sections, settled = _low_pass(round(rate_hz, 6))
+    pad = min(3 * round(rate_hz / CUT_OFF_HZ), velocity.shape[1] - 1)
+    lines = np.ascontiguousarray(np.moveaxis(velocity, 1, 2))
+    first, last = lines[..., :1], lines[..., -1:]
+    if pad > 0:
+        # Turned about its ends, so that neither value nor slope jumps there.
+        before, after = 2.0 * first - lines[..., pad:0:-1], 2.0 * last - lines[..., -2 : -pad - 2 : -1]
+        lines = np.concatenate([before, lines, after], axis=2)
+    state = settled[:, None, None, :]
+    forwards, _ = scipy.signal.sosfilt(sections, lines, axis=2, zi=state * lines[..., :1])
+    back, _ = scipy.signal.sosfilt(sections, forwards[..., ::-1], axis=2, zi=state * forwards[..., -1:])
+    return np.moveaxis(back[..., ::-1][..., pad : pad + velocity.shape[1]], 2, 1)
 
 
 def units_measure(

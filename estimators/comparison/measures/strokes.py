@@ -68,14 +68,31 @@ def log_dimensionless_jerk(velocity: Float, rate_hz: float, cut_off_hz: float | 
         v = scipy.signal.sosfiltfilt(
             sections, v, axis=0, padlen=min(3 * round(rate_hz / cut_off_hz), len(v) - 1)
         )
-    peak = float(np.linalg.norm(v, axis=1).max())
-    if not peak > 0:
-        return float("nan")
-    bend = np.gradient(
-        np.gradient(v, 1.0 / rate_hz, axis=0, edge_order=2), 1.0 / rate_hz, axis=0, edge_order=2
-    )
-    total = float(scipy.integrate.trapezoid(np.sum(bend**2, axis=1), dx=1.0 / rate_hz))
-    return -float(np.log(duration_s**3 / peak**2 * total)) if total > 0 else float("nan")
+    return float(log_dimensionless_jerks(v[None], rate_hz)[0])
+
+
+def log_dimensionless_jerks(velocities: Float, rate_hz: float) -> Float:
+    """Return `log_dimensionless_jerk` of several strokes of the same ticks, as they are.
+
+    Parameters
+    ----------
+    velocities : ndarray, shape (S, N, D)
+    rate_hz : float
+
+    Returns
+    -------
+    ndarray, shape (S,)
+    """
+    duration_s, step_s = (velocities.shape[1] - 1) / rate_hz, 1.0 / rate_hz
+    if duration_s < SHORTEST_S or velocities.shape[1] < 3:
+        return np.full(len(velocities), np.nan)
+    peak = np.linalg.norm(velocities, axis=2).max(axis=1)
+    bend = np.gradient(np.gradient(velocities, step_s, axis=1, edge_order=2), step_s, axis=1, edge_order=2)
+    total = scipy.integrate.trapezoid(np.sum(bend**2, axis=2), dx=step_s, axis=1)
+    # A gap makes both NaN, which is not above zero.
+    moves = (peak > 0) & (total > 0) & np.isfinite(velocities).all(axis=(1, 2))
+    peak, total = np.where(moves, peak, 1.0), np.where(moves, total, 1.0)
+    return np.where(moves, -np.log(duration_s**3 / peak**2 * total), np.nan)
 
 
 def units_per_metre(path_m: Float, rate_hz: float, reach_m: float) -> float:
@@ -134,4 +151,10 @@ def time_to_peak_speed(speed: Float) -> float:
     return float((peak + shift) / (len(speed) - 1))
 
 
-__all__ = ["log_dimensionless_jerk", "outward_stroke", "time_to_peak_speed", "units_per_metre"]
+__all__ = [
+    "log_dimensionless_jerk",
+    "log_dimensionless_jerks",
+    "outward_stroke",
+    "time_to_peak_speed",
+    "units_per_metre",
+]
