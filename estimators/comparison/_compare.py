@@ -24,7 +24,7 @@ from estimators.comparison._measures import (
     repetition_measures,
     summarise,
 )
-from estimators.comparison._template import align_timing, alignment_scale, near, phase_curves
+from estimators.comparison._template import align_timing, alignment_scale, known_median, near, phase_curves
 from estimators.comparison.channels.mirror import mirror_template
 from estimators.comparison.channels.sided import SideChannels, side_channels
 from estimators.comparison.measures.of_session import likeness_measures
@@ -139,6 +139,11 @@ class Comparison:
         """Whether the exercise turns the arm without moving the hand."""
         return is_turning(self.template)
 
+    @cached_property
+    def scale(self) -> Float:
+        """The unit of difference of each channel of the template for the warp, shape (C,)."""
+        return alignment_scale(self.template.channels, self.template.tolerance)
+
     def of(self, repetition: Repetition) -> RepetitionResult:
         """Return one repetition beside the template."""
         template, own, scaled = self.template, self.own.cut(repetition), self.scaled.cut(repetition)
@@ -148,9 +153,7 @@ class Comparison:
                 repetition, (), empty, empty, empty, np.linspace(0.0, PHASES - 1, PHASES), {}
             )
         curves = near(_on_template_channels(scaled, template), template.mean, template.channels)
-        alignment = align_timing(
-            curves, template.mean, alignment_scale(template.channels, template.tolerance)
-        )
+        alignment = align_timing(curves, template.mean, self.scale)
         aligned = apply(alignment, curves, PHASES)
         sigma = _channel_sigma(scaled, template)
         own_sigma = apply(alignment, _phase_sigma(scaled, template), PHASES)
@@ -181,12 +184,7 @@ def is_turning(template: Template) -> bool:
 
 def _on_template_channels(arm: SideChannels, template: Template) -> Float:
     """Put the patient's curves in the order of the template, NaN where not measured."""
-    measured = phase_curves(arm)
-    curves = np.full((PHASES, len(template.channels)), np.nan)
-    for column, name in enumerate(template.channels):
-        if name in arm.channels:
-            curves[:, column] = measured[:, arm.channels.index(name)]
-    return curves
+    return _in_order(phase_curves(arm), arm, template)
 
 
 def _phase_sigma(arm: SideChannels, template: Template) -> Float:
@@ -194,26 +192,34 @@ def _phase_sigma(arm: SideChannels, template: Template) -> Float:
 
     Near the singularity of its sequence an angle is many times less certain than in the rest of the movement.
     """
-    measured = resample(arm.time_s, arm.sigma, PHASES)
-    sigma = np.full((PHASES, len(template.channels)), np.nan)
-    for column, name in enumerate(template.channels):
-        if name in arm.channels:
-            sigma[:, column] = measured[:, arm.channels.index(name)]
-        if "." in name and not np.isfinite(sigma[:, column]).any():
-            sigma[:, column] = position_sigma(arm, template.reach_m)
+    sigma = _in_order(resample(arm.time_s, arm.sigma, PHASES), arm, template)
+    unknown = _places(template) & ~np.isfinite(sigma).any(axis=0)
+    if unknown.any():
+        sigma[:, unknown] = position_sigma(arm, template.reach_m)
     return sigma
 
 
 def _channel_sigma(arm: SideChannels, template: Template) -> Float:
     """Typical sensor uncertainty per template channel, shape (C,); NaN where unknown."""
-    sigma = np.full(len(template.channels), np.nan)
-    for column, name in enumerate(template.channels):
-        if name in arm.channels:
-            own = arm.sigma[:, arm.channels.index(name)]
-            sigma[column] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else np.nan
-        if "." in name and not np.isfinite(sigma[column]):
-            sigma[column] = position_sigma(arm, template.reach_m)
+    sigma: Float = _in_order(known_median(arm.sigma)[None], arm, template)[0]
+    unknown = _places(template) & ~np.isfinite(sigma)
+    if unknown.any():
+        sigma[unknown] = position_sigma(arm, template.reach_m)
     return sigma
+
+
+def _in_order(measured: Float, arm: SideChannels, template: Template) -> Float:
+    """Put columns of the arm in the order of the template, NaN where not measured."""
+    ordered = np.full((len(measured), len(template.channels)), np.nan)
+    place = {name: column for column, name in enumerate(arm.channels)}
+    shared = [column for column, name in enumerate(template.channels) if name in place]
+    ordered[:, shared] = measured[:, [place[template.channels[column]] for column in shared]]
+    return ordered
+
+
+def _places(template: Template) -> NDArray[np.bool_]:
+    """Return which channels of the template are places."""
+    return np.array(["." in name for name in template.channels], dtype=bool)
 
 
 def _outside(aligned: Float, sigma: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
@@ -221,16 +227,13 @@ def _outside(aligned: Float, sigma: Float, template: Template) -> dict[str, list
 
     What differs by no more than two standard deviations of its own is not known to be outside.
     """
+    difference = aligned - template.mean
+    beyond: NDArray[np.bool_] = (difference > template.above) | (-difference > template.below)
+    beyond &= ~(np.abs(difference) <= 2.0 * sigma) & template.counts
     outside: dict[str, list[tuple[int, int]]] = {}
-    for column, name in enumerate(template.channels):
-        if not template.counts[column]:
-            continue
-        difference = aligned[:, column] - template.mean[:, column]
-        beyond: NDArray[np.bool_] = (difference > template.above[:, column]) | (
-            -difference > template.below[:, column]
-        )
-        beyond &= ~(np.abs(difference) <= 2.0 * sigma[:, column])
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]]).astype(np.int8)))
+    for column in np.flatnonzero(beyond.any(axis=0)).tolist():
+        name = template.channels[column]
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond[:, column], [False]]).astype(np.int8)))
         runs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
         long_enough = [(start, end) for start, end in runs if end - start >= _SHORTEST_OUTSIDE]
         if long_enough:

@@ -5,6 +5,7 @@ leaves the therapist's band in most repetitions is always reported; beside it at
 of some repetitions is lost in the mean of all: it is reported with their numbers.
 """
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -123,8 +124,8 @@ def _in_some(
 
 
 def _of_one(name: str, one: RepetitionResult, template: Template) -> _Difference | None:
-    alone = [measure for measure in one.measures if measure.name == name]
-    return _difference(name, [one], {name: replace(alone[0], count=1)}, template) if alone else None
+    alone = next((measure for measure in one.measures if measure.name == name), None)
+    return _difference(name, [one], {name: replace(alone, count=1)}, template) if alone else None
 
 
 def _is_fault(name: str, difference: _Difference) -> bool:
@@ -188,19 +189,23 @@ def _difference(
     # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
     sensor = 2.0 * float(np.median(own)) if own else 0.0
     count = measure.count
-    chance = (
-        scipy.stats.t.ppf(_CONFIDENCE, count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
-    )
+    chance = _student(count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
     deviation = template.measure_sd.get(name, np.nan)
     others = template.repetition_count
     if others > 1 and np.isfinite(deviation):
         # With one repetition of the patient, the therapist's spread is all that is known about chance.
         shrink = 1 / others + (1 if count < 2 else 0)
-        reference_chance = scipy.stats.t.ppf(_CONFIDENCE, others - 1) * deviation * np.sqrt(shrink)
+        reference_chance = _student(others - 1) * deviation * np.sqrt(shrink)
     else:
         reference_chance = 0.0
     limit = float(np.sqrt(sensor**2 + chance**2 + reference_chance**2))
     return _Difference(measure.value, reference, abs(measure.value - reference) / max(limit, 1e-9))
+
+
+@functools.lru_cache(maxsize=256)
+def _student(freedom: int) -> float:
+    """Return the quantile of Student's t that 95 percent of both sides are within."""
+    return float(scipy.stats.t.ppf(_CONFIDENCE, freedom))
 
 
 def _range(

@@ -42,15 +42,20 @@ def posture(source: Trajectory, side: str) -> Float:
         If nothing of that side was measured.
     """
     check_side(side)
-    measured = {
-        name: np.where(source.valid[:, column], source.values[:, column], np.nan)
-        for column, name in enumerate(source.channels)
-        if source.valid[:, column].any()
+    columns_of = {
+        name: column for column, name in enumerate(source.channels) if source.valid[:, column].any()
     }
-    own = [name for name in measured if _is_of(name, side)]
-    if not own and (not measured or any(_is_of(name, other_side(side)) for name in measured)):
+    own = [name for name in columns_of if _is_of(name, side)]
+    is_other = [_is_of(name, other_side(side)) for name in columns_of]
+    if not own and (not columns_of or any(is_other)):
         raise ComparisonError(say("compare.side_not_measured", side=side))
-    shared = [name for name in measured if not _is_of(name, side) and not _is_of(name, other_side(side))]
+    shared = [
+        name for name, other in zip(columns_of, is_other, strict=True) if not other and not _is_of(name, side)
+    ]
+    measured = {
+        name: np.where(source.valid[:, columns_of[name]], source.values[:, columns_of[name]], np.nan)
+        for name in (*own, *shared)
+    }
     columns = [_ANGLE_WEIGHT * measured[name] for name in (*own, *shared) if _is_angle(name, side)]
     columns.extend(_wrist(measured, side))
     has_wrist = f"wrist_{side}.x" in measured

@@ -138,13 +138,30 @@ def is_angle(channel: str) -> bool:
 
 def near(curves: Float, reference: Float, channels: tuple[str, ...]) -> Float:
     """Shift angles by whole turns so that each curve lies nearest to the reference."""
-    moved = curves.copy()
-    for column, name in enumerate(channels):
-        both = np.isfinite(curves[:, column]) & np.isfinite(reference[:, column])
-        if is_angle(name) and both.any():
-            turns = np.median(reference[both, column] - curves[both, column]) / (2 * np.pi)
-            moved[:, column] += 2 * np.pi * np.round(turns)
+    angles = [column for column, name in enumerate(channels) if is_angle(name)]
+    moved, own = curves.copy(), curves[:, angles]
+    turns = known_median(reference[:, angles] - own) / (2 * np.pi)
+    # Of what is not known in both nothing is shifted.
+    moved[:, angles] = own + 2 * np.pi * np.round(np.where(np.isfinite(turns), turns, 0.0))
     return moved
+
+
+def known_median(values: Float) -> Float:
+    """Return the median of what is known of each column, shape (C,); NaN where nothing is.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, C)
+    """
+    known = np.isfinite(values)
+    found = np.full(values.shape[1], np.nan)
+    whole = known.all(axis=0)
+    if len(values) and whole.any():
+        # Median after median costs more in calls than in numbers.
+        found[whole] = np.median(values[:, whole], axis=0)
+    for column in np.flatnonzero(known.any(axis=0) & ~whole).tolist():
+        found[column] = np.median(values[known[:, column], column])
+    return found
 
 
 def alignment_scale(channels: tuple[str, ...], tolerance: Float) -> Float:
@@ -153,12 +170,8 @@ def alignment_scale(channels: tuple[str, ...], tolerance: Float) -> Float:
     Angles with a singularity, fine wrist movement and the trunk (compensation is judged, not followed)
     are left out; of the positions only the wrist counts, as elbow and hand follow from it and the angles.
     """
-    scale = np.full(len(channels), np.nan)
-    for column, name in enumerate(channels):
-        finite = tolerance[:, column][np.isfinite(tolerance[:, column])]
-        if len(finite) and (tells_movement(name) or name.startswith("wrist_")):
-            scale[column] = np.median(finite)
-    return scale
+    steers = [tells_movement(name) or name.startswith("wrist_") for name in channels]
+    return np.where(steers, known_median(tolerance), np.nan)
 
 
 def align_timing(curves: Float, reference: Float, scale: Float) -> Alignment:

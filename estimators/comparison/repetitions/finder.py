@@ -115,6 +115,8 @@ def _in_time(found: Explanation, path: Path) -> list[_Bounds]:
 
 
 def _window(source: Trajectory, start_s: float | None, end_s: float | None) -> Trajectory | None:
+    if start_s is None and end_s is None:
+        return source if len(source.time_s) >= 2 else None
     inside = np.ones(len(source.time_s), dtype=bool)
     if start_s is not None:
         inside &= source.time_s >= start_s
