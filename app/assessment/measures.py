@@ -6,6 +6,7 @@ session's main result. Their spread is the standard deviation between repetition
 
 import math
 import statistics
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -100,69 +101,74 @@ def session_values(
     if exercise_id is not None:
         wanted = [exercise_id] if isinstance(exercise_id, str) else exercise_id
         conditions.append(MotionSession.exercise_id.in_(wanted))
-    found = _over_repetitions(conditions, measures)
-    # Moments are costly to read and each session has dozens of measures: once a session.
-    began = {
-        row.id: row.started_at or row.created_at
-        for row in session.execute(
-            select(MotionSession.id, MotionSession.started_at, MotionSession.created_at).where(*conditions)
-        )
-    }
+    newest = _ranked_comparisons(conditions)
     at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
-    rows = session.execute(
+    # What is the same for all measures of a session is read once a session: each has dozens of them.
+    sessions = session.execute(
         select(
+            Comparison.id,
             MotionSession.patient_id,
             MotionSession.exercise_id,
             MotionSession.id,
-            found.c.measure,
-            found.c.unit,
-            found.c.mean,
-            found.c.mean_square,
-            found.c.repetitions,
-            found.c.first,
-            found.c.uncertainty,
+            MotionSession.started_at,
+            MotionSession.created_at,
             Comparison.repetition_count,
             Result.orientation,
             Result.orientation_version,
             Result.pipeline_version,
             Comparison.template_version_id,
         )
-        .join(Comparison, Comparison.id == found.c.comparison_id)
+        .join(newest, (newest.c.id == Comparison.id) & (newest.c.rank == 1))
         .join(Result, Result.id == Comparison.result_id)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
-        .order_by(MotionSession.patient_id, at, MotionSession.id, found.c.measure)
+        .order_by(MotionSession.patient_id, at, MotionSession.id)
+    ).all()
+    if not sessions:
+        return []
+    drawn = _over_repetitions(newest, measures)
+    found: dict[str, list[Sequence[Any]]] = defaultdict(list)
+    for row in session.execute(select(drawn).order_by(drawn.c.comparison_id, drawn.c.measure)):
+        found[row[0]].append(row)
+    return [value for one in sessions for value in _values(one, found.get(one[0], ()))]
+
+
+def _values(one: Sequence[Any], measured: Sequence[Sequence[Any]]) -> list[SessionValue]:
+    """Return the values of a session, from the two statements of `session_values`.
+
+    Rows are taken apart by place: by name each of ten thousand costs far more.
+    """
+    _, patient, exercise, name, started_at, created_at, counted, orientation, version, pipeline, template = (
+        one
     )
-    return [_value(row, began[row[2]]) for row in rows if row[2] in began]
+    at = started_at or created_at
+    values = []
+    for _, measure, unit, mean, mean_square, repetitions, first, uncertainty in measured:
+        is_of_all = first == ALL_REPETITIONS
+        values.append(
+            SessionValue(
+                patient_id=patient,
+                exercise_id=exercise,
+                session_id=name,
+                at=at,
+                measure=measure,
+                unit=unit,
+                mean=mean,
+                spread=uncertainty if is_of_all else _spread(mean, mean_square, repetitions),
+                count=counted if is_of_all else repetitions,
+                orientation=orientation,
+                orientation_version=version,
+                pipeline_version=pipeline,
+                template_version_id=template,
+            )
+        )
+    return values
 
 
-def _value(row: Sequence[Any], at: datetime) -> SessionValue:
-    """Return a row of `session_values`; taken apart by place, for by name each of ten thousand costs far more."""
-    patient, exercise, name, measure, unit, mean, mean_square, repetitions, first, uncertainty = row[:10]
-    counted, orientation, orientation_version, pipeline_version, version = row[10:]
-    is_of_all = first == ALL_REPETITIONS
-    return SessionValue(
-        patient_id=patient,
-        exercise_id=exercise,
-        session_id=name,
-        at=at,
-        measure=measure,
-        unit=unit,
-        mean=mean,
-        spread=uncertainty if is_of_all else _spread(mean, mean_square, repetitions),
-        count=counted if is_of_all else repetitions,
-        orientation=orientation,
-        orientation_version=orientation_version,
-        pipeline_version=pipeline_version,
-        template_version_id=version,
-    )
-
-
-def _over_repetitions(sessions: Sequence[ColumnElement[bool]], measures: Sequence[str] | None) -> Subquery:
-    """Return each measure of the comparison that counts of each session, drawn together before anything is joined.
+def _over_repetitions(newest: Subquery, measures: Sequence[str] | None) -> Subquery:
+    """Return each measure of the comparison that counts of each session, drawn together over its repetitions.
 
     Only of the sessions that are asked for: repetitions of other exercises are by far the most.
     """
-    newest = _ranked_comparisons(sessions)
     drawn = (
         select(
             RepetitionMeasure.comparison_id,
