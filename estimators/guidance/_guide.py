@@ -43,6 +43,9 @@ UPDATE_HZ: Final = 50.0
 REST_S: Final = 1.0
 VALID_SHARE: Final = 0.8
 """Share of each target that a valid repetition attains unless the therapist says otherwise."""
+_PACKET_TICKS: Final = 32
+"""More than a packet of a live session brings."""
+_TICK: Final = (STATE.names or ()).index("tick")
 
 
 def _room_for(ready: GuidanceTemplate, rest_ticks: int, window_ticks: int) -> tuple[Memory, Work]:
@@ -64,7 +67,7 @@ def _room_for(ready: GuidanceTemplate, rest_ticks: int, window_ticks: int) -> tu
         moved=np.zeros((sizes, phases)),
         pace=np.zeros((sizes, phases)),
         strange=np.zeros((sizes, phases)),
-        line=np.zeros((2, phases)),
+        line=np.zeros((5, phases)),
         y=np.zeros(channels),
         v=np.zeros(channels),
         sigma=np.zeros(channels),
@@ -139,6 +142,7 @@ class Guide:
         self._state["p_rest"] = 1.0
         self._state["pace"] = 1.0 / ready.duration_s
         self._memory, self._work = _room_for(ready, rest_ticks, max(3, round(SLOPE_S / tick_s) + 1))
+        self._make_room(_PACKET_TICKS)
 
     @staticmethod
     def prepare() -> None:
@@ -193,24 +197,13 @@ class Guide:
         shape = (values.shape[0] if values.ndim == 2 else -1, len(self.ready.channels))
         if values.shape != shape or sigma.shape != shape:
             raise ShapeError(f"values {values.shape} and sigma {sigma.shape}; both must be (N, {shape[1]})")
-        if np.isinf(values).any() or not (np.isnan(sigma) | (np.isfinite(sigma) & (sigma >= 0.0))).all():
-            raise ShapeError("values must be finite or NaN, sigma not negative, finite or NaN")
-        first, ticks = int(self._state["tick"][0]) + 1, len(values)
-        # An attempt lasts an update at least.
-        room = ticks // int(self._settings["stride"][0]) + 1
-        out = Out(
-            follow=np.empty((ticks, OUT)),
-            deviation=np.empty(shape),
-            deviation_sigma=np.empty(shape),
-            repetitions=np.zeros(room, dtype=REPETITION),
-            quotients=np.zeros((room, len(self._memory.quotient))),
-            counts=np.zeros(1, dtype=np.int64),
-        )
-        # Of each update at most a cue and a word at the end of an attempt; one stop lasts until somebody resumes.
-        spoken = Spoken(
-            np.zeros(2 * room, dtype=CUE), np.zeros(1, dtype=STOPPED), np.zeros(2, dtype=np.int64)
-        )
-        run(
+        ticks = len(values)
+        if ticks > self._room:
+            self._make_room(ticks)
+        follow, deviation, deviation_sigma = np.empty((ticks, OUT)), np.empty(shape), np.empty(shape)
+        out = Out(follow, deviation, deviation_sigma, *self._ended)
+        spoken = self._spoken
+        is_sound = run(
             values,
             sigma,
             self._settings,
@@ -223,20 +216,37 @@ class Guide:
             self._said,
             spoken,
         )
-        follow = out.follow.T
+        if not is_sound:
+            raise ShapeError("values must be finite or NaN, sigma not negative, finite or NaN")
+        cues, stops = spoken.counts.tolist()
         return GuidanceChunk(
-            first_tick=first,
-            phase=follow[PHASE],
-            sigma=follow[SIGMA],
-            rest=follow[REST],
-            wrong=follow[ASTRAY],
-            size=follow[SIZE],
-            deviation=out.deviation,
-            deviation_sigma=out.deviation_sigma,
-            repetitions=_repetitions(out),
-            cues=tuple(self._cue(one) for one in spoken.cues[: spoken.counts[0]]),
-            stops=tuple(self._stopped(one) for one in spoken.stops[: spoken.counts[1]]),
+            first_tick=self._state.item()[_TICK] + 1 - ticks,
+            phase=follow[:, PHASE],
+            sigma=follow[:, SIGMA],
+            rest=follow[:, REST],
+            wrong=follow[:, ASTRAY],
+            size=follow[:, SIZE],
+            deviation=deviation,
+            deviation_sigma=deviation_sigma,
+            repetitions=_repetitions(out) if out.counts[0] else (),
+            cues=tuple(self._cue(one) for one in spoken.cues[:cues]) if cues else (),
+            stops=tuple(self._stopped(one) for one in spoken.stops[:stops]) if stops else (),
         )
+
+    def _make_room(self, ticks: int) -> None:
+        """Make room for what ends and is said in so many ticks; it is written over by the next ones."""
+        # An attempt lasts an update at least.
+        room = ticks // int(self._settings["stride"][0]) + 1
+        self._ended = (
+            np.zeros(room, dtype=REPETITION),
+            np.zeros((room, len(self._memory.quotient))),
+            np.zeros(1, dtype=np.int64),
+        )
+        # Of each update at most a cue and a word at the end of an attempt; one stop lasts until somebody resumes.
+        self._spoken = Spoken(
+            np.zeros(2 * room, dtype=CUE), np.zeros(1, dtype=STOPPED), np.zeros(2, dtype=np.int64)
+        )
+        self._room = ticks
 
     def _cue(self, one: Any) -> Cue:
         rule = self.rules[int(one["rule"])] if one["rule"] >= 0 else None

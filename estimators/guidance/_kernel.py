@@ -27,7 +27,7 @@ from estimators.guidance._records import (
     Work,
 )
 from estimators.guidance._stop_kernel import guard
-from estimators.kernels import VOID, Record, rows, step
+from estimators.kernels import Record, rows, step
 from estimators.recording import Float
 
 _V_REST = 4.0
@@ -141,8 +141,20 @@ def _deviate(
 _TABLE = types.float64[:, ::1]
 
 
+@step()
+def _is_sound(values: Float, sigma: Float) -> bool:
+    """Say whether values are finite or NaN, and sigma too and not negative."""
+    for k in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            if math.isinf(values[k, c]) or math.isinf(sigma[k, c]) or sigma[k, c] < 0.0:
+                return False
+    return True
+
+
 @compiled(
-    VOID(_TABLE, _TABLE, rows(SETTINGS), rows(STATE), MODEL, MEMORY, WORK, OUTPUT, ORDERS, SAID, SPOKEN)
+    types.boolean(
+        _TABLE, _TABLE, rows(SETTINGS), rows(STATE), MODEL, MEMORY, WORK, OUTPUT, ORDERS, SAID, SPOKEN
+    )
 )
 def run(
     values: Float,
@@ -156,8 +168,8 @@ def run(
     orders: Orders,
     said: Said,
     spoken: Spoken,
-) -> None:  # pragma: no cover
-    """Take the next ticks.
+) -> bool:  # pragma: no cover
+    """Take the next ticks; False, and nothing was done, where they cannot be so.
 
     Parameters
     ----------
@@ -176,6 +188,8 @@ def run(
     said : Said
         Changed.
     """
+    if not _is_sound(values, sigma):
+        return False
     settings, state = settings_row[0], state_row[0]
     out.counts[:] = 0
     spoken.counts[:] = 0
@@ -213,6 +227,7 @@ def run(
         out.follow[k, REST], out.follow[k, ASTRAY] = state.p_rest, state.p_wrong
         out.follow[k, SIZE] = state.size
         _deviate(k, state, model, memory, work, orders, out)
+    return True
 
 
 __all__ = ["run"]

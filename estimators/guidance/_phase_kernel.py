@@ -20,6 +20,8 @@ from estimators.recording import Float
 
 FIT, CROSS, SIZE, SPEED, ALONG, STEEP = range(6)
 """Rows of the sums: <(y-y0)^2/s^2>, <(y-y0) mu/s^2>, <mu^2/s^2>, <v^2/s^2>, <v mu'/s^2>, <mu'^2/s^2>."""
+SHIFT, SLOWEST, ONWARD, STAYS, BACK = range(5)
+"""Rows of the lines with which probabilities are moved."""
 _ENTRY = 3
 """Phases at which a movement begins."""
 _SLOWEST_OWN = 0.25
@@ -186,27 +188,56 @@ def _pace(settings: Record, state: Record, model: Model, memory: Memory, work: W
 
 
 @step()
+def _shifted(mass: Float, shift: Float, onward: Float, stays: Float, back: Float, moved: Float) -> None:
+    """Move one size's probabilities by `shift` phases each, split between two bins; what leaves an end stays there.
+
+    No further than one bin, as nearly always, each bin gathers what comes from the two beside it and from itself, in
+    the order in which they would be handed on one by one: the same bits, in wide instructions.
+    """
+    phases, last = len(mass), len(mass) - 1
+    is_near = True
+    for b in range(phases):
+        place = b + shift[b]
+        low = np.floor(place)
+        share = place - low
+        is_here = low == b
+        onward[b] = share if is_here else 0.0
+        stays[b] = 1.0 - share if is_here else share
+        back[b] = 0.0 if is_here else 1.0 - share
+        is_near &= is_here | (low == b - 1.0)
+    if is_near:
+        for b in range(1, last):
+            moved[b] = onward[b - 1] * mass[b - 1] + stays[b] * mass[b] + back[b + 1] * mass[b + 1]
+        moved[0] = back[0] * mass[0] + stays[0] * mass[0] + back[1] * mass[1]
+        moved[last] = onward[last - 1] * mass[last - 1] + stays[last] * mass[last] + onward[last] * mass[last]
+        return
+    moved[:] = 0.0
+    for b in range(phases):
+        place = b + shift[b]
+        low = math.floor(place)
+        share = place - low
+        first, second = min(max(low, 0), last), min(max(low + 1, 0), last)
+        moved[first] += (1.0 - share) * mass[b]
+        moved[second] += share * mass[b]
+
+
+@step()
 def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
     """Equation (3): each phase and size goes on at its own pace."""
     mass, moved = memory.mass, work.moved
     sizes, phases = mass.shape
     r0, dt = settings.pace, settings.update_s
-    shift = work.line[0]
-    moved[:] = 0.0
+    shift, slowest = work.line[SHIFT], work.line[SLOWEST]
+    fastest = settings.fastest * r0
+    for b in range(phases):
+        phi = (b + 0.5) / phases
+        edge = min(max((phi - _EDGE_LOW) / (_EDGE_HIGH - _EDGE_LOW), 0.0), 1.0)
+        slowest[b] = settings.slowest * r0 * (1.0 - edge)
     for a in range(sizes):
         for b in range(phases):
-            phi = (b + 0.5) / phases
-            pace = work.pace[a, b]
-            edge = min(max((phi - _EDGE_LOW) / (_EDGE_HIGH - _EDGE_LOW), 0.0), 1.0)
-            pace = min(max(pace, settings.slowest * r0 * (1.0 - edge)), settings.fastest * r0)
+            pace = min(max(work.pace[a, b], slowest[b]), fastest)
             shift[b] = pace * dt * phases
-        for b in range(phases):
-            place = b + shift[b]
-            low = math.floor(place)
-            share = place - low
-            first, second = min(max(low, 0), phases - 1), min(max(low + 1, 0), phases - 1)
-            moved[a, first] += (1.0 - share) * mass[a, b]
-            moved[a, second] += share * mass[a, b]
+        _shifted(mass[a], shift, work.line[ONWARD], work.line[STAYS], work.line[BACK], moved[a])
     spread = 0.5 * settings.blur_per_s * dt * phases * phases
     trade = 0.5 * settings.size_exchange_per_s * dt
     for a in range(sizes):

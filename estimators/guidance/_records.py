@@ -179,7 +179,7 @@ class Work(NamedTuple):
     moved : ndarray, shape (A, B)
     pace, strange : ndarray, shape (A, B)
         Equation (2), and how strange the slopes seen are at that pace.
-    line : ndarray, shape (2, B)
+    line : ndarray, shape (5, B)
     y, v, sigma : ndarray, shape (C,)
     prior : ndarray, shape (A,)
     sorted : ndarray, shape (R,)

@@ -9,7 +9,7 @@ import numpy as np
 from estimators.comparison import Repetition, build_template, trajectory
 from estimators.conventions import Placement
 from estimators.guidance import GuidanceChunk, GuidanceTemplate, prepare_template, signals
-from estimators.pipelines import run
+from estimators.pipelines import Frames, run
 from estimators.recording import Float
 from estimators.simulation import (
     EXERCISES,
@@ -18,6 +18,7 @@ from estimators.simulation import (
     MovementStyle,
     PlannedRepetition,
     Schedule,
+    SimulatedSession,
     demonstration_scenario,
     simulate_arm,
     style_of_impairment,
@@ -28,6 +29,8 @@ PLACEMENTS: Final[tuple[Placement, ...]] = ("sternum", "shoulder_right", "upper_
 REACH_M: Final = 0.55
 STEP_S: Final = 0.01
 N_POSE_S, TRANSITION_S = 5.0, 1.5
+_FIRST: Final = round((N_POSE_S + TRANSITION_S + 0.2) / STEP_S)
+"""Tick at which the patient rests in the start posture."""
 _REPETITIONS: Final = 6
 _OTHER: Final = {
     "reaching": "abduction",
@@ -97,9 +100,46 @@ class GuidedSession:
         return "wrong" if one.instead else "partial" if one.size < 0.65 and self.kind == "mixed" else "valid"
 
 
+def streamed(kind: str, seed: int) -> tuple[GuidanceTemplate, Frames]:
+    """Return the template and the frames of such a set, from the end of the way to the start posture on."""
+    done = _performed(kind, seed)
+    return done.ready, done.frames.ticks(_FIRST, done.frames.tick_count)
+
+
 @cache
 def session(kind: str, seed: int) -> GuidedSession:
     """Return one set of the exercise whose turn it is with this seed, with its own therapist."""
+    done = _performed(kind, seed)
+    ready, truth = done.ready, done.made.truth
+    values, sigma = signals(trajectory(done.frames), ready)
+    true_values, _ = signals(trajectory(truth.frames), ready)
+    return GuidedSession(
+        kind=kind,
+        ready=ready,
+        values=values[_FIRST:],
+        sigma=sigma[_FIRST:],
+        phase=_true_phase(NAMES[seed % len(NAMES)], truth.progress, done.speed)[_FIRST:],
+        true_values=true_values[_FIRST:],
+        bounds=np.rint(truth.repetitions_s / STEP_S).astype(int) - _FIRST,
+        plan=done.plan,
+        faults=done.faults,
+    )
+
+
+@dataclass(frozen=True)
+class _Performed:
+    """A set as it was simulated, and the frames that the pipeline made of it."""
+
+    made: SimulatedSession
+    frames: Frames
+    ready: GuidanceTemplate
+    speed: float
+    """The therapist's pace."""
+    plan: tuple[PlannedRepetition, ...]
+    faults: tuple[str, ...]
+
+
+def _performed(kind: str, seed: int) -> _Performed:
     name = NAMES[seed % len(NAMES)]
     generator = np.random.default_rng([seed, *kind.encode()])
     planned = [_planned(kind, name, generator) for _ in range(_REPETITIONS)]
@@ -115,20 +155,7 @@ def session(kind: str, seed: int) -> GuidedSession:
         )
     )
     frames, _ = run(made.recording, made.setup, (1.5, 4.5))
-    values, sigma = signals(trajectory(frames), ready)
-    true_values, _ = signals(trajectory(made.truth.frames), ready)
-    first = round((N_POSE_S + TRANSITION_S + 0.2) / STEP_S)
-    return GuidedSession(
-        kind=kind,
-        ready=ready,
-        values=values[first:],
-        sigma=sigma[first:],
-        phase=_true_phase(name, made.truth.progress, speed)[first:],
-        true_values=true_values[first:],
-        bounds=np.rint(made.truth.repetitions_s / STEP_S).astype(int) - first,
-        plan=plan,
-        faults=faults,
-    )
+    return _Performed(made, frames, ready, speed, plan, faults)
 
 
 @cache
@@ -228,4 +255,5 @@ __all__ = [
     "GuidedSession",
     "matched",
     "session",
+    "streamed",
 ]

@@ -13,7 +13,6 @@ import numpy as np
 from app.assessment.design.prescribed import PrescribedGuidance
 from app.assessment.design.rules import said
 from app.errors import Conflict
-from app.live.guidance.following import Following
 from app.live.guidance.messages import (
     GuidanceCause,
     GuidanceCommand,
@@ -25,6 +24,7 @@ from app.live.guidance.taken_up import TakenUp
 from app.live.guidance.words import HELD, PAUSED, RESUMED, STOPPED, counted
 from app.sentences import say
 from estimators.guidance import CountedRepetition, Cue, GuidanceChunk, Stopped
+from estimators.guidance.live import Following
 from estimators.pipelines import Frames
 
 logger = logging.getLogger(__name__)
@@ -84,7 +84,17 @@ class GuidanceDesk:
             if not taken_up.has_ended_a_set:
                 # The set that an earlier session of the day had begun goes on.
                 self._in_set.valid += self._dose.before % self._dose.set_valid
-        self._following = None if prescribed is None else Following(prescribed.guidance, tick_s)
+        self._following: Following | None = None
+        if prescribed is not None:
+            ordered = prescribed.guidance
+            self._following = Following(
+                ordered.ready,
+                tick_s,
+                valid_share=ordered.valid_share,
+                rules=ordered.rules,
+                stops=ordered.stops,
+                pace=ordered.pace,
+            )
         self._cause: GuidanceCause = taken_up.cause
         self._is_stopped = taken_up.is_stopped
         if self._cause and self._following is not None:

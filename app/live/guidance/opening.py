@@ -12,7 +12,7 @@ from app.live.guidance.desk import GuidanceDesk
 from app.live.guidance.taken_up import read_guidance, taken_up
 from app.sentences import say
 from estimators.errors import EstimationError
-from estimators.guidance import Guide
+from estimators.guidance.live import Following
 
 if TYPE_CHECKING:
     from app.live.session.runner import LiveSession
@@ -47,7 +47,7 @@ def guide_session(
     try:
         prescribed = read_guidance(engine, session.id, default_zone) if is_prescribed else None
         if prescribed is not None:
-            Guide.prepare()
+            Following.prepare()
     except NotGuided as refused:
         # It is said once, not again whenever the service restarts.
         notice = "" if len(session.ledger.durable) else refused.message

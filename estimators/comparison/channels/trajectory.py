@@ -7,11 +7,13 @@ import numpy as np
 from estimators.comparison._contract import Trajectory
 from estimators.comparison.measures.places import place_sigma
 from estimators.orientation._contract import OrientationFlag
-from estimators.pipelines._contract import Frames
+from estimators.pipelines._contract import FrameLayout, Frames
+from estimators.recording import Float
 from estimators.rotation import conjugate, rotate
 
 _LEANING: Final = ("thigh", "shank")
-_UNUSABLE: Final = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR)
+UNUSABLE: Final = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR)
+"""Bits of an angle that says nothing about the posture."""
 
 
 def trajectory(frames: Frames) -> Trajectory:
@@ -40,16 +42,15 @@ def trajectory(frames: Frames) -> Trajectory:
     if frames.segment_sigma_rad is not None:
         sigma[:, len(layout.angles) + len(layout.scalars) :] = place_sigma(frames, frames.segment_sigma_rad)
     valid = np.isfinite(values)
-    valid[:, : len(layout.angles)] &= (frames.angle_flags & _UNUSABLE) == 0
+    valid[:, : len(layout.angles)] &= (frames.angle_flags & UNUSABLE) == 0
     tracked = (frames.segment_flags & np.uint8(OrientationFlag.INVALID)) == 0
     for column, name in enumerate((*layout.scalars, *points), start=len(layout.angles)):
-        needed = [layout.segments.index(s) for s in _segments_behind(name) if s in layout.segments]
+        needed = [layout.segments.index(s) for s in segments_behind(name) if s in layout.segments]
         if needed:
             valid[:, column] &= tracked[:, needed].all(axis=1)
-    legs = [column for column, name in enumerate(layout.segments) if name.startswith(_LEANING)]
+    legs = leaning_segments(layout)
     if legs:
-        up = rotate(conjugate(frames.q_room_segment[:, legs]), np.array([0.0, 0.0, 1.0]))
-        lean = np.arctan2(-up[..., 0], up[..., 2])
+        lean = legs_forward(frames, legs)
         values = np.concatenate([values, lean], axis=1)
         sigma = np.concatenate([sigma, np.full_like(lean, np.nan)], axis=1)
         valid = np.concatenate([valid, np.isfinite(lean) & tracked[:, legs]], axis=1)
@@ -67,7 +68,18 @@ def trajectory(frames: Frames) -> Trajectory:
     )
 
 
-def _segments_behind(channel: str) -> tuple[str, ...]:
+def leaning_segments(layout: FrameLayout) -> list[int]:
+    """Return the columns of thighs and shanks among the segments."""
+    return [column for column, name in enumerate(layout.segments) if name.startswith(_LEANING)]
+
+
+def legs_forward(frames: Frames, legs: list[int]) -> Float:
+    """Return how far the upper ends of these segments lean ahead in their own x-z plane, shape (K, L), rad."""
+    up = rotate(conjugate(frames.q_room_segment[:, legs]), np.array([0.0, 0.0, 1.0]))
+    return np.arctan2(-up[..., 0], up[..., 2])
+
+
+def segments_behind(channel: str) -> tuple[str, ...]:
     """Segments whose loss makes a scalar or point untrue."""
     if channel.startswith("trunk_"):
         return ("sternum",)
@@ -84,4 +96,4 @@ def _segments_behind(channel: str) -> tuple[str, ...]:
     return tuple(chain)
 
 
-__all__ = ["trajectory"]
+__all__ = ["UNUSABLE", "leaning_segments", "legs_forward", "segments_behind", "trajectory"]

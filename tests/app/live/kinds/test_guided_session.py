@@ -360,7 +360,7 @@ def test_a_guidance_that_fails_leaves_the_session_alone(
 
     async def work(room: Room) -> None:
         await room.to_the_start()
-        monkeypatch.setattr("app.live.guidance.following.signals", broken)
+        monkeypatch.setattr("estimators.guidance.live.Picking.pick", broken)
         await room.to_the_end()
         assert room.live.state == "recording"
         assert room.desk.message.status == "failed"

@@ -1,14 +1,18 @@
 """A guide that is fed with the frames of a session: over gaps, from rest to rest, and on after a pause."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from app.assessment.design.compiled import Guidance
-from app.live.guidance.settling import Settling
-from estimators.comparison import trajectory
-from estimators.guidance import GuidanceChunk, Guide, signals
+from estimators.guidance._contract import GuidanceChunk, GuidanceTemplate
+from estimators.guidance._default_rules import DEFAULT_STOPS
+from estimators.guidance._guide import VALID_SHARE, Guide
+from estimators.guidance._orders import CuePace
+from estimators.guidance._rules import CueRule, StopRule
+from estimators.guidance.live._picking import Picking
+from estimators.guidance.live._settling import Settling
 from estimators.pipelines import Frames
 from estimators.recording import Float
 
@@ -19,40 +23,51 @@ TRACKED_S: Final = 1.0
 
 
 class Following:
-    """Feeds a `Guide`.
+    """Feeds a `Guide`; parameters without a word here are its own.
 
     Parameters
     ----------
-    guidance : Guidance
-        Its stop rules count no repetitions.
+    ready : GuidanceTemplate
     tick_s : float
+    valid_share : float
+    rules : sequence of CueRule, optional
+    stops : sequence of StopRule
+        Those of a session count no repetitions.
+    pace : CuePace, optional
     """
 
-    def __init__(self, guidance: Guidance, tick_s: float) -> None:
-        self._ready, self._tick_s = guidance.ready, tick_s
-        self._guide = Guide(
-            guidance.ready,
-            tick_s,
-            valid_share=guidance.valid_share,
-            rules=guidance.rules,
-            stops=guidance.stops,
-            pace=guidance.pace,
-        )
-        self._settling = Settling(guidance.ready, tick_s)
+    def __init__(
+        self,
+        ready: GuidanceTemplate,
+        tick_s: float,
+        *,
+        valid_share: float = VALID_SHARE,
+        rules: Sequence[CueRule] | None = None,
+        stops: Sequence[StopRule] = DEFAULT_STOPS,
+        pace: CuePace | None = None,
+    ) -> None:
+        self._tick_s = tick_s
+        self._guide = Guide(ready, tick_s, valid_share=valid_share, rules=rules, stops=stops, pace=pace)
+        self._picking = Picking(ready)
+        self._settling = Settling(ready, tick_s)
         self._is_settled = False
         self._next_tick: int | None = None
         self._tracked_s = 0.0
-        self._steering = [guidance.ready.channels.index(name) for name in guidance.ready.steering]
-        self._unsure_rad = min(
-            (rule.limit for rule in guidance.stops if rule.kind == "unsure"), default=np.inf
-        )
+        self._steering = [ready.channels.index(name) for name in ready.steering]
+        self._unsure_rad = min((rule.limit for rule in stops if rule.kind == "unsure"), default=np.inf)
         self._seen: tuple[Float, Float] | None = None
+
+    @staticmethod
+    def prepare() -> None:
+        """Compile or load what `feed` runs, so that the first frames do not wait for it; blocks."""
+        Guide.prepare()
+        Picking.prepare()
 
     def feed(self, frames: Frames) -> tuple[GuidanceChunk, bool]:
         """Take frames; return what the guide says of the last of them, and whether it counts already."""
-        values, sigma = signals(trajectory(frames), self._ready)
+        values, sigma = self._picking.pick(frames)
         missing = 0 if self._next_tick is None else frames.first_tick - self._next_tick
-        self._next_tick = frames.first_tick + frames.tick_count
+        self._next_tick = frames.first_tick + len(values)
         if missing > 0:
             if missing * self._tick_s > LONGEST_GAP_S:
                 self.leave()

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from estimators.guidance import GuidanceTemplate
+from estimators.guidance._contract import GuidanceTemplate
 from estimators.recording import Float
 
 REST_S: Final = 1.0
