@@ -39,7 +39,7 @@ from validation.foot.recordings import (
     FOOT_STRIDES,
     FOOT_WALKS,
 )
-from validation.guidance import COUNT, CUES, PHASE
+from validation.guidance import COST, COUNT, CUES, PHASE
 from validation.inclination.consistency import CONSISTENCY
 from validation.inclination.offset import OFFSET_RECOVERY, STILL_SENSOR
 from validation.inclination.tasks import INCLINATION_TASKS
@@ -122,6 +122,7 @@ _PROTOCOLS = (
     PHASE,
     COUNT,
     CUES,
+    COST,
     FUNCTIONAL_CALIBRATION,
     JOINT_HEADINGS,
     INCLINATION_TASKS,

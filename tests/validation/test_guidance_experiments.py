@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.guidance import COUNT, CUES, PHASE
+from validation.guidance import COST, COUNT, CUES, PHASE
 from validation.protocol import measured
 
 NEVER = {
@@ -13,7 +13,7 @@ NEVER = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("protocol", [PHASE, COUNT, CUES], ids=lambda one: one.name)
+@pytest.mark.parametrize("protocol", [PHASE, COUNT, CUES, COST], ids=lambda one: one.name)
 def test_an_experiment_measures_its_figures(protocol):
     values, _ = measured(protocol, [2], {})
     for name, value in values.items():
