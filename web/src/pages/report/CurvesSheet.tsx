@@ -34,7 +34,9 @@ export function CurvesSheet({
           {t('phase.legendTemplate')}
         </LegendRow>
         <LegendStroke className="paper-line paper-line-strong">
-          {t(isOfStrides(comparison) ? 'report.legendStrides' : 'report.legendRepetitions', { count: comparison.repetition_count })}
+          {t(isOfStrides(comparison) ? 'report.legendStrides' : 'report.legendRepetitions', {
+            count: comparison.repetition_count,
+          })}
         </LegendStroke>
         <LegendRow
           sign={
