@@ -96,28 +96,16 @@ def _jerk(path: Float, stroke: slice, rate_hz: float) -> Measure:
 
 
 @functools.cache
-def _low_pass(rate_hz: float) -> tuple[Float, Float]:
-    """Return the low pass in sections, and the state of each in which it has been at one for ever."""
-    sections = np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
-    return sections, np.asarray(scipy.signal.sosfilt_zi(sections))
+def _low_pass(rate_hz: float) -> Float:
+    return np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
 
 
 def _smooth(velocity: Float, rate_hz: float) -> Float:
-    """Filter forwards and backwards along the second axis, as `scipy.signal.sosfiltfilt` does, shape (S, N, D)."""
+    """Filter forwards and backwards along the second axis, shape (S, N, D)."""
     if 0.45 * rate_hz <= CUT_OFF_HZ:
         return velocity
-    sections, settled = _low_pass(round(rate_hz, 6))
     pad = min(3 * round(rate_hz / CUT_OFF_HZ), velocity.shape[1] - 1)
-    lines = np.ascontiguousarray(np.moveaxis(velocity, 1, 2))
-    first, last = lines[..., :1], lines[..., -1:]
-    if pad > 0:
-        # Turned about its ends, so that neither value nor slope jumps there.
-        before, after = 2.0 * first - lines[..., pad:0:-1], 2.0 * last - lines[..., -2 : -pad - 2 : -1]
-        lines = np.concatenate([before, lines, after], axis=2)
-    state = settled[:, None, None, :]
-    forwards, _ = scipy.signal.sosfilt(sections, lines, axis=2, zi=state * lines[..., :1])
-    back, _ = scipy.signal.sosfilt(sections, forwards[..., ::-1], axis=2, zi=state * forwards[..., -1:])
-    return np.moveaxis(back[..., ::-1][..., pad : pad + velocity.shape[1]], 2, 1)
+    return np.asarray(scipy.signal.sosfiltfilt(_low_pass(round(rate_hz, 6)), velocity, axis=1, padlen=pad))
 
 
 def units_measure(

@@ -57,7 +57,7 @@ def test_a_repetition_left_out_by_hand_does_not_count(
         return float(curve["high"][50] - curve["mean"][50])
 
     assert width({channel: 2.0}) == pytest.approx(2 * width({}), rel=1e-3)
-    for wrong, says in [({"dropped": [9]}, "no repetition 9"), ({"dropped": [1, 2, 3, 4]}, "at least two")]:
+    for wrong, says in [({"dropped": [9]}, "the number 9"), ({"dropped": [1, 2, 3, 4]}, "at least two")]:
         answer = therapist.post("/api/templates/preview", json={**body, **wrong})
         assert answer.status_code == 422
         assert says in answer.json()["message"]
