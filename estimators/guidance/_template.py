@@ -206,6 +206,17 @@ def _middle(is_level: NDArray[np.bool_], place: int) -> float:
     return 0.5 * (first + last)
 
 
+def is_place(channel: str) -> bool:
+    """Say whether a channel is a coordinate of a point, measured from the shoulder."""
+    return "." in channel
+
+
+def shoulder_of(channel: str) -> str:
+    """Return the same coordinate of the shoulder of a point's side."""
+    point, _, axis = channel.partition(".")
+    return f"shoulder_{point.rpartition('_')[2]}.{axis}"
+
+
 def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
     """Pick what `Guide.feed` takes out of a session or a piece of one.
 
@@ -224,17 +235,17 @@ def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
     values = np.full((len(source.time_s), len(ready.channels)), np.nan)
     sigma = np.full_like(values, np.nan)
     for column, name in enumerate(ready.channels):
-        point, _, axis = name.partition(".")
-        origin = f"shoulder_{point.rpartition('_')[2]}.{axis}" if axis else name
+        is_point = is_place(name)
+        origin = shoulder_of(name) if is_point else name
         if name not in index or origin not in index:
             continue
         at, of = index[name], index[origin]
         known = source.valid[:, at] & source.valid[:, of]
-        placed = source.values[:, at] - (source.values[:, of] if axis else 0.0)
+        placed = source.values[:, at] - (source.values[:, of] if is_point else 0.0)
         values[:, column] = np.where(known, placed, np.nan)
-        if not axis:
+        if not is_point:
             sigma[:, column] = np.where(known, source.sigma[:, at], np.nan)
     return values, sigma
 
 
-__all__ = ["BINS", "SIZES", "SLOPE_S", "prepare_template", "signals", "steers"]
+__all__ = ["BINS", "SIZES", "SLOPE_S", "is_place", "prepare_template", "shoulder_of", "signals", "steers"]

@@ -3,8 +3,8 @@
 A lease is a key that its holder writes anew a few times in its length. Who sees a key unchanged for that length, by the
 own clock, may write it, on condition that it is still the same: of several only one succeeds. Workers write that they
 live in the same way; each wants its share of the partitions (`share_of`), and gives one back when it has more, the next
-when that one is taken up. The keys
-of a worker whose process has ended are deleted by another one (`app.scaled.worker.presence`), and free at once.
+when that one is taken up. The keys of a worker whose process has ended are deleted by another one
+(`app.scaled.worker.presence`), and free at once.
 
 A lease only decides who tries. That an earlier holder writes nothing is the database's word, see `app.scaled.fencing`.
 """

@@ -60,7 +60,7 @@ def trajectory(frames: Frames) -> Trajectory:
             *layout.angles,
             *layout.scalars,
             *points,
-            *(f"{layout.segments[column]}_lean_forward_rad" for column in legs),
+            *(leaning_channel(layout.segments[column]) for column in legs),
         ),
         values=values,
         sigma=sigma,
@@ -71,6 +71,11 @@ def trajectory(frames: Frames) -> Trajectory:
 def leaning_segments(layout: FrameLayout) -> list[int]:
     """Return the columns of thighs and shanks among the segments."""
     return [column for column, name in enumerate(layout.segments) if name.startswith(_LEANING)]
+
+
+def leaning_channel(segment: str) -> str:
+    """Return the channel that says how far a thigh or shank leans ahead."""
+    return f"{segment}_lean_forward_rad"
 
 
 def legs_forward(frames: Frames, legs: list[int]) -> Float:
@@ -96,4 +101,4 @@ def segments_behind(channel: str) -> tuple[str, ...]:
     return tuple(chain)
 
 
-__all__ = ["UNUSABLE", "leaning_segments", "legs_forward", "segments_behind", "trajectory"]
+__all__ = ["UNUSABLE", "leaning_channel", "leaning_segments", "legs_forward", "segments_behind", "trajectory"]

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from estimators.comparison.channels.trajectory import (
     UNUSABLE,
+    leaning_channel,
     leaning_segments,
     legs_forward,
     segments_behind,
 )
 from estimators.compiling import Kernel, compiled
 from estimators.guidance._contract import GuidanceTemplate
+from estimators.guidance._template import is_place, shoulder_of
 from estimators.kernels import VOID, bundle
 from estimators.orientation._contract import OrientationFlag
 from estimators.pipelines import FrameLayout, Frames
@@ -50,14 +52,13 @@ class Places(NamedTuple):
 
 def _places(ready: GuidanceTemplate, layout: FrameLayout) -> Places:
     points = [f"{point}.{axis}" for point in layout.points for axis in "xyz"]
-    legs = [f"{layout.segments[column]}_lean_forward_rad" for column in leaning_segments(layout)]
+    leaning = [layout.segments[column] for column in leaning_segments(layout)]
+    legs = [leaning_channel(segment) for segment in leaning]
     channels = len(ready.channels)
     kind, column = np.full(channels, _MISSING), np.zeros(channels, dtype=np.int64)
     origin, needed = np.zeros_like(column), np.zeros((channels, len(layout.segments)), dtype=np.uint8)
     for c, name in enumerate(ready.channels):
-        point, _, axis = name.partition(".")
-        shoulder = f"shoulder_{point.rpartition('_')[2]}.{axis}"
-        if axis and name in points and shoulder in points:
+        if is_place(name) and name in points and (shoulder := shoulder_of(name)) in points:
             kind[c], column[c], origin[c] = _POINT, points.index(name), points.index(shoulder)
             behind = {*segments_behind(name), *segments_behind(shoulder)}
         elif name in layout.angles:
@@ -66,7 +67,7 @@ def _places(ready: GuidanceTemplate, layout: FrameLayout) -> Places:
             kind[c], column[c], behind = _SCALAR, layout.scalars.index(name), set(segments_behind(name))
         elif name in legs:
             kind[c], column[c] = _LEG, legs.index(name)
-            behind = {name.removesuffix("_lean_forward_rad")}
+            behind = {leaning[column[c]]}
         else:
             continue
         needed[c] = [segment in behind for segment in layout.segments]

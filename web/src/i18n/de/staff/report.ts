@@ -72,8 +72,8 @@ export const report: Translated<typeof english> = {
   'report.legendStrides': { one: 'Patient/in, {count} Doppelschritt', other: 'Patient/in, {count} Doppelschritte' },
   'report.legendOutside': 'Außerhalb des Bandes: dick und rot, mit einem Balken darunter',
   'report.outside': {
-    one: '{count} von {of} Wiederholungen verlässt das Band.',
-    other: '{count} von {of} Wiederholungen verlassen das Band.',
+    one: '{count} von {of} Kurven verlässt das Band.',
+    other: '{count} von {of} Kurven verlassen das Band.',
   },
   'report.curvesHelp':
     'Jede Wiederholung ist zeitlich an die Vorlage angepasst: 0 % ist der Beginn der Bewegung, 100 % die Rückkehr. Neben jedem Namen: die Segmente und die Rotationsreihenfolge des Winkels.',

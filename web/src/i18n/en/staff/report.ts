@@ -69,8 +69,8 @@ export const report = {
   'report.legendStrides': { one: 'Patient, {count} stride', other: 'Patient, {count} strides' },
   'report.legendOutside': 'Outside the band: thick and red, with a bar below',
   'report.outside': {
-    one: '{count} of {of} repetitions leaves the band.',
-    other: '{count} of {of} repetitions leave the band.',
+    one: '{count} of {of} curves leaves the band.',
+    other: '{count} of {of} curves leave the band.',
   },
   'report.curvesHelp':
     'Each repetition is aligned in time with the template: 0 % is the start of the movement, 100 % the return. Beside each name: the segments and the rotation sequence of the angle.',
