@@ -12,15 +12,14 @@ from typing import Final
 import typer
 
 from app.commands.serve import claim, run
-from app.database import engine as engines
-from app.database import migrate
 from app.database.writer_lock import LOCK_SUFFIX
-from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
-from app.edge.demonstration import HistoryProgress, new_progress
+from app.demo.people import PASSWORD, PATIENTS, THERAPIST, prepare
+from app.edge.demonstration import HistoryProgress
 from app.errors import InvalidInput
 from app.settings import Settings
 
 _ANSWER_POLL_S: Final = 0.1
+HISTORY_COMES: Final = "  Past sessions are being made; they appear one after the other."
 
 
 def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | None = None) -> None:
@@ -51,23 +50,10 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | 
         log_level="warning",
     )
     with claim(settings, "127.0.0.1", port, "telemotion demo") as (listener, lock):
-        progress = _prepare(settings, folder, fresh)
-        common = [
-            sys.executable,
-            "-m",
-            "app.demo.companion",
-            "--server",
-            server,
-            "--started-s",
-            str(started_s),
-        ]
-        companions = []
-        # Two processes: making history takes all the time it gets, and must take none from the patient who streams.
-        if stream:
-            companions.append([*common, "--stream"])
-        if not progress.is_complete:
-            companions.append([*common, "--history", str(folder), "--database-url", settings.database_url])
-        running = [subprocess.Popen(words) for words in companions]  # noqa: S603 - our own interpreter and module
+        _empty_unless_begun(folder, fresh)
+        progress = prepare(settings.database_url, folder)
+        commands = companions(server, started_s, progress, settings.database_url, stream=stream)
+        running = [subprocess.Popen(words) for words in commands]  # noqa: S603 - our own interpreter and module
         threading.Thread(
             target=_welcome, args=(port, server, started_s, stream, progress.is_complete), daemon=True
         ).start()
@@ -85,8 +71,8 @@ def _contents(folder: Path) -> list[Path]:
     return [path for path in folder.iterdir() if not path.name.endswith(LOCK_SUFFIX)]
 
 
-def _prepare(settings: Settings, folder: Path, fresh: bool) -> HistoryProgress:
-    """Make the database and its people; returns how far the past sessions are."""
+def _empty_unless_begun(folder: Path, fresh: bool) -> None:
+    """Throw away what a folder holds where that is asked for, or where it was left by an interrupted start."""
     if fresh or HistoryProgress.of(folder) is None:
         # Without a word of how far its history is, it was left by an interrupted start of an earlier version.
         for path in _contents(folder):
@@ -94,15 +80,34 @@ def _prepare(settings: Settings, folder: Path, fresh: bool) -> HistoryProgress:
                 shutil.rmtree(path)
             else:
                 path.unlink()
-    migrate.upgrade(settings.database_url)
-    engine = engines.create(settings)
-    try:
-        if not is_seeded(engine):
-            seed_people(engine)
-            new_progress(folder).save()
-    finally:
-        engine.dispose()
-    return HistoryProgress.of(folder) or new_progress(folder)
+
+
+def companions(
+    server: str, started_s: float, progress: HistoryProgress, url: str, *, stream: bool = True
+) -> list[list[str]]:
+    """Return the commands of the processes that play the demonstration's patients.
+
+    Parameters
+    ----------
+    server : str
+        Where they reach the service.
+    started_s : float
+        Since the epoch: from when what they print is timed.
+    progress : HistoryProgress
+        Of the past sessions; what is missing of them is made.
+    url : str
+        Of the database.
+    stream : bool
+        Whether a patient streams live.
+    """
+    common = [sys.executable, "-m", "app.demo.companion", "--server", server, "--started-s", str(started_s)]
+    found = []
+    # Two processes: making history takes all the time it gets, and must take none from the patient who streams.
+    if stream:
+        found.append([*common, "--stream"])
+    if not progress.is_complete:
+        found.append([*common, "--history", str(progress.path.parent), "--database-url", url])
+    return found
 
 
 def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_complete: bool) -> None:
@@ -121,7 +126,7 @@ def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_com
     if with_stream:
         lines.append(f"  {person.given_name} {person.family_name} streams live: sign in and open her row.")
     if not is_complete:
-        lines.append("  Past sessions are being made; they appear one after the other.")
+        lines.append(HISTORY_COMES)
     lines.append("  Ctrl-C stops it. Everything here is invented; never use it with real patients.")
     typer.echo("\n".join([*lines, ""]))
 

@@ -20,11 +20,9 @@ from typing import Any, Final
 import typer
 from pydantic import SecretStr
 
-from app.commands.demo import answers
+from app.commands.demo import HISTORY_COMES, answers, companions
 from app.commands.serve import listen
-from app.database import engine as engines
-from app.database import migrate
-from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
+from app.demo.people import PASSWORD, PATIENTS, THERAPIST, prepare
 from app.errors import InvalidInput, Unavailable
 from app.scaled.mqtt.configuration import configuration
 from app.settings import Settings
@@ -70,7 +68,7 @@ def demo_scaled(port: int, folder: Path) -> None:
     _interrupted_by_signals()
     with ExitStack() as stack:
         url = stack.enter_context(_postgresql(folder))
-        _prepare(url)
+        progress = prepare(url, folder / "data")
         nats_url = f"nats://telemotion:{secrets.token_urlsafe(24)}@127.0.0.1:{NATS_PORT}"
         file = _configured(folder, nats_url)
         stack.enter_context(_running([server, "-c", str(file)], {}, folder / "nats.log"))
@@ -88,9 +86,9 @@ def demo_scaled(port: int, folder: Path) -> None:
                 running[one] = stack.enter_context(_running(command, environment, None))
             _until_ready(running)
         address = f"http://127.0.0.1:{port}"
-        companion = [sys.executable, "-m", "app.demo.companion", "--server", address, "--stream"]
-        stack.enter_context(_running([*companion, "--started-s", str(time.time())], {}, None))
-        _welcome(ports)
+        for command in companions(address, time.time(), progress, url):
+            stack.enter_context(_running(command, {}, None))
+        _welcome(ports, progress.is_complete)
         try:
             while True:
                 time.sleep(1.0)
@@ -118,16 +116,6 @@ def _postgresql(folder: Path) -> Iterator[str]:
         yield str(server.get_uri("telemotion"))
     finally:
         server.cleanup()
-
-
-def _prepare(url: str) -> None:
-    migrate.upgrade(url)
-    engine = engines.create_from_url(url)
-    try:
-        if not is_seeded(engine):
-            seed_people(engine)
-    finally:
-        engine.dispose()
 
 
 def _configured(folder: Path, nats_url: str) -> Path:
@@ -190,7 +178,7 @@ def _until_ready(running: Mapping[int, subprocess.Popen[bytes]]) -> None:
         time.sleep(0.2)
 
 
-def _welcome(ports: Sequence[int]) -> None:
+def _welcome(ports: Sequence[int], is_complete: bool) -> None:
     edges = ", ".join(f"http://127.0.0.1:{port}" for port in ports[:EDGES])
     person = PATIENTS[0]
     lines = [
@@ -201,6 +189,7 @@ def _welcome(ports: Sequence[int]) -> None:
         f"    patient     {person.email}       password  {PASSWORD}",
         "",
         f"  {person.given_name} {person.family_name} streams live: sign in at either address and open her row.",
+        *([] if is_complete else [HISTORY_COMES]),
         f"  Gateways by MQTT: mqtt://127.0.0.1:{MQTT_PORT} (telemotion simulate --mqtt).",
         f"  Health and metrics of the workers: ports {', '.join(map(str, ports[EDGES:]))}.",
         "  Ctrl-C stops it. Everything here is invented; never use it with real patients.",

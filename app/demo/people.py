@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
+from pathlib import Path
 from typing import Final
 
 from sqlalchemy import Engine, select
@@ -11,8 +12,11 @@ from app.accounts import audit
 from app.accounts.credentials.passwords import Passwords
 from app.accounts.models import Account, Clinic, Consent
 from app.accounts.subject import Subject
+from app.database import migrate
 from app.database.base import new_id
+from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
+from app.edge.demonstration import HistoryProgress, new_progress
 from app.exercises.models import Exercise, Posture
 from app.patients.models import Grant, Patient
 from estimators.conventions import Side
@@ -137,14 +141,29 @@ EXERCISES: Final = (
 )
 
 
-def is_seeded(engine: Engine) -> bool:
-    """Return whether the demonstration clinic is there.
+def prepare(url: str, folder: Path) -> HistoryProgress:
+    """Bring a database to the newest schema, with the demonstration's people, and return how far its history is.
 
     Parameters
     ----------
-    engine : Engine
-        Migrated.
+    url : str
+        Of the database.
+    folder : Path
+        Data directory of the service, where the progress is noted.
     """
+    migrate.upgrade(url)
+    engine = create_from_url(url)
+    try:
+        if not _is_seeded(engine):
+            seed_people(engine)
+            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            new_progress(folder).save()
+    finally:
+        engine.dispose()
+    return HistoryProgress.of(folder) or new_progress(folder)
+
+
+def _is_seeded(engine: Engine) -> bool:
     with read_only(engine) as session:
         return session.scalar(select(Clinic.id).where(Clinic.name == CLINIC)) is not None
 
