@@ -73,7 +73,7 @@ class Cluster:
         return environment_of(self.url, self.folder / "data", port) | {
             "TELEMOTION_NATS_URL": self.nats_url,
             "TELEMOTION_MQTT": "true",
-            "TELEMOTION_PARTITIONS": "4",
+            "TELEMOTION_PARTITIONS": "8",
             "TELEMOTION_LEASE_SECONDS": "1.5",
             "PYTHONWARNINGS": "ignore:resource_tracker",
             **trusted,

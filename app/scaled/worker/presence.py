@@ -26,6 +26,8 @@ from app.scaled.wire import subject
 logger = logging.getLogger(__name__)
 
 PERIOD_S: Final = 0.1
+AGAIN_S: Final = 0.03
+"""Who did not answer is asked again so soon."""
 TIMES: Final = 3
 """A worker is gone when so many questions in a row found nobody."""
 ANSWER_S: Final = 0.5
@@ -77,7 +79,7 @@ class Presence:
     async def run(self) -> None:
         """Ask again and again."""
         while True:
-            await asyncio.sleep(PERIOD_S)
+            await asyncio.sleep(AGAIN_S if self._unanswered else PERIOD_S)
             if self._broker.client.is_connected and time.monotonic() - self._back_s > self._grace_s:
                 await self._turn()
 

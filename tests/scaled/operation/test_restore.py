@@ -74,7 +74,7 @@ def test_a_backup_under_load_has_every_acknowledged_packet(tmp_path: Path) -> No
         asyncio.run(until_listening(cluster.nats_port))
         for changed, reason in (
             ({"TELEMOTION_DATABASE_URL": f"sqlite:///{tmp_path / 'one.db'}"}, "no worker had stored"),
-            ({"TELEMOTION_PARTITIONS": "5"}, "has 4 partitions"),
+            ({"TELEMOTION_PARTITIONS": "5"}, "has 8 partitions"),
         ):
             refused = command(cluster, "restore", str(archive), **changed)
             assert refused.returncode != 0
