@@ -24,6 +24,7 @@ from app.network.conversation import until_first_ends
 from app.network.declaration import check_hello
 from app.network.lean_sockets import LeanSocket
 from app.network.messages import (
+    AcknowledgeMessage,
     ErrorMessage,
     GoodbyeMessage,
     HelloMessage,
@@ -297,7 +298,7 @@ class IngestConnection:
 
     async def _acknowledge(self, intake: Intake) -> None:
         """Acknowledge and watch the right; returns when the session has closed and all is stored."""
-        last = ""
+        last: AcknowledgeMessage | None = None
         sent_s = time.monotonic()
         # Connections that came together after a restart must not all be checked at the same moment.
         checked_s = sent_s - random.uniform(0.0, self._sink.check_every_s)  # noqa: S311
@@ -310,10 +311,10 @@ class IngestConnection:
             now = time.monotonic()
             # Asked first, so that the last acknowledgement covers everything that was stored.
             is_finished = intake.is_finished
-            text = intake.acknowledge().model_dump_json()
-            if text != last or now - sent_s > 1.0:
-                await self._send_text(text)
-                last, sent_s = text, now
+            found = intake.acknowledge()
+            if found is not last or now - sent_s > 1.0:
+                await self._send(found)
+                last, sent_s = found, now
             if is_finished:
                 return
             if now - checked_s > self._sink.check_every_s:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.live.messages import LayoutMessage
+from app.network.lean_sockets import LONG, LONGEST_MEDIUM, MEDIUM, WHOLE_BINARY, frame_head
 from app.recordings.schemas import FrameLayoutOut
 from estimators.pipelines._contract import FrameLayout, Frames
 
@@ -30,9 +31,7 @@ _HEAD: Final = np.dtype(
 HEAD_WORDS: Final = _HEAD.itemsize // 4
 """Of a block's head with that of its frame."""
 _HEADER_BYTES: Final = _HEAD.itemsize - _FRAME_HEAD
-_LONGEST: Final = 0xFFFF
-_WHOLE_BINARY, _MEDIUM, _LONG = 0x82, 126, 127
-_FRAME_HEADS: Final = {_MEDIUM: _FRAME_HEAD, _LONG: 10}
+_FRAME_HEADS: Final = {MEDIUM: _FRAME_HEAD, LONG: 10}
 
 
 class PublishedBlock:
@@ -46,8 +45,8 @@ class PublishedBlock:
 
     def __init__(self, written: bytes) -> None:
         size = len(written) - _FRAME_HEAD
-        if not _MEDIUM <= size <= _LONGEST:
-            written = server_frame_head(size) + written[_FRAME_HEAD:]
+        if not MEDIUM <= size <= LONGEST_MEDIUM:
+            written = frame_head(WHOLE_BINARY, size) + written[_FRAME_HEAD:]
         self.frame = written
 
     @property
@@ -83,17 +82,8 @@ class PublishedFrames:
     def frame(self) -> bytes:
         """The block in a frame of a WebSocket from the server, made once for all who watch."""
         if self._frame is None:
-            self._frame = server_frame_head(len(self.block)) + self.block
+            self._frame = frame_head(WHOLE_BINARY, len(self.block)) + self.block
         return self._frame
-
-
-def server_frame_head(size: int) -> bytes:
-    """Return what stands before a binary message of `size` bytes that a server sends whole (RFC 6455, 5.2)."""
-    if size < _MEDIUM:
-        return bytes((_WHOLE_BINARY, size))
-    if size <= _LONGEST:
-        return bytes((_WHOLE_BINARY, _MEDIUM)) + size.to_bytes(2, "big")
-    return bytes((_WHOLE_BINARY, _LONG)) + size.to_bytes(8, "big")
 
 
 def block_heads(
@@ -124,9 +114,9 @@ def _fill_heads(
     time_step_s: float,
     published_at_s: float,
 ) -> None:
-    heads["opcode"], heads["length"] = _WHOLE_BINARY, _MEDIUM
+    heads["opcode"], heads["length"] = WHOLE_BINARY, MEDIUM
     # Shorter and longer blocks get another head of their frame, see `PublishedBlock`.
-    heads["size"] = (_HEADER_BYTES + 4 * ticks * columns) & _LONGEST
+    heads["size"] = (_HEADER_BYTES + 4 * ticks * columns) & LONGEST_MEDIUM
     heads["magic"], heads["ticks"], heads["columns"] = MAGIC, ticks, columns
     heads["first_tick"] = first_ticks % 2**32
     heads["time_s"], heads["time_step_s"] = first_ticks * time_step_s, time_step_s

@@ -15,7 +15,28 @@ EXTENSION: Final = "telemotion.lean"
 LONGEST_FRAME: Final = 1 << 20
 """Longer ones are refused by uvicorn, see `ws_max_size`."""
 _CONTINUED, _TEXT, _BINARY = 0, 1, 2
-_WHOLE_BINARY: Final = 0x80 | _BINARY
+WHOLE_TEXT: Final = 0x80 | _TEXT
+WHOLE_BINARY: Final = 0x80 | _BINARY
+MEDIUM: Final = 126
+"""A message of so many bytes or more has its length in two bytes behind the first two; see `frame_head`."""
+LONG: Final = 127
+LONGEST_MEDIUM: Final = 0xFFFF
+
+
+def frame_head(first: int, size: int) -> bytes:
+    """Return what stands before a message of `size` bytes that a server sends whole (RFC 6455, 5.2).
+
+    Parameters
+    ----------
+    first : int
+        `WHOLE_TEXT` or `WHOLE_BINARY`.
+    size : int
+    """
+    if size < MEDIUM:
+        return bytes((first, size))
+    if size <= LONGEST_MEDIUM:
+        return bytes((first, MEDIUM)) + size.to_bytes(2, "big")
+    return bytes((first, LONG)) + size.to_bytes(8, "big")
 
 
 class BinaryReader(Protocol):
@@ -89,7 +110,7 @@ class LeanSocket(WebSocketsSansIOProtocol):
                 self._needed = end - at
                 break
             first = buffer[at]
-            is_short = first == _WHOLE_BINARY and is_masked and not self._is_in_pieces
+            is_short = first == WHOLE_BINARY and is_masked and not self._is_in_pieces
             if is_short and self._reader is not None and self.is_open:
                 self._reader.received(
                     buffer, start, length, int.from_bytes(buffer[start - 4 : start], "little")
@@ -152,8 +173,8 @@ class LeanSocket(WebSocketsSansIOProtocol):
             return True
         if not self.writable.is_set():
             return False
-        self.conn.send_text(text.encode())
-        self.transport.write(b"".join(self.conn.data_to_send()))
+        message = text.encode()
+        self.transport.write(frame_head(WHOLE_TEXT, len(message)) + message)
         return True
 
 
@@ -163,4 +184,14 @@ def lean_socket(websocket: WebSocket) -> LeanSocket | None:
     return extension["socket"] if extension else None
 
 
-__all__ = ["BinaryReader", "LeanSocket", "lean_socket"]
+__all__ = [
+    "LONG",
+    "LONGEST_MEDIUM",
+    "MEDIUM",
+    "WHOLE_BINARY",
+    "WHOLE_TEXT",
+    "BinaryReader",
+    "LeanSocket",
+    "frame_head",
+    "lean_socket",
+]

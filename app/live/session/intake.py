@@ -1,13 +1,13 @@
 """One gateway connection's way into its session."""
 
 import asyncio
-import time
 from collections.abc import Awaitable, Callable
 
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.contract import PooledPackets
 from app.live.engine.lane import Lane
 from app.live.session.actuation import Order
+from app.live.session.ledger import Acknowledgements
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
 from app.network.declaration import Declaration
@@ -36,7 +36,7 @@ class Intake:
         self._detached = detached
         self.ended = asyncio.Event()
         self.end_error: TelemotionError = Unavailable(say("live.stopping"), reason="stopping")
-        self._reviewed_s = time.monotonic()
+        self._acknowledgements = Acknowledgements(session.id)
         self._clock = session.clock
         self._orders = None if session.actuation is None else session.actuation.connect()
 
@@ -88,15 +88,12 @@ class Intake:
 
     def acknowledge(self) -> AcknowledgeMessage:
         """Return what the gateway may forget and what it should send again."""
-        now = time.monotonic()
         # As last settled: what compiled code took since is neither missing nor stored. After the goodbye the end is
         # known, and what waits in the lane would be asked for.
         ledger = self._session.now.ledger
         if ledger.last_sequence is not None:
             ledger = self._session.ledger
-        missing = ledger.review(now - self._reviewed_s)
-        self._reviewed_s = now
-        return self._session.acknowledge(missing)
+        return self._acknowledgements.next(ledger, self._session.state)
 
     def goodbye(self, last_sequence: int) -> None:
         """Note that no packet above `last_sequence` will come; the session closes once it is settled."""

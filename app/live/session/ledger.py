@@ -1,9 +1,11 @@
-"""Which packets of a session are here, which are safe, and which will never come."""
+"""Which packets of a session are here, which are safe, and which will never come; and what a gateway hears of it."""
 
 import time
 from dataclasses import dataclass, field
 
+from app.network.messages import AcknowledgeMessage
 from app.network.ranges import SequenceRanges
+from app.schemas import SessionState
 
 REPORT_AFTER_S = 0.3
 """A hole younger than this may be mere reordering."""
@@ -41,9 +43,7 @@ class SequenceLedger:
     @property
     def acknowledged(self) -> int:
         """Everything up to and including this sequence is durable or given up; -1 when nothing is."""
-        settled = self.durable.copy()
-        settled.update(self.given_up)
-        return settled.acknowledged
+        return self._settled(self.durable).acknowledged
 
     @property
     def highest(self) -> int:
@@ -59,12 +59,19 @@ class SequenceLedger:
 
     def holes(self) -> list[tuple[int, int]]:
         """Return the half-open ranges, not given up, that are missing below the end."""
-        known = self.received.copy()
-        known.update(self.given_up)
+        known = self._settled(self.received)
         missing = known.missing()
         if self.last_sequence is not None and known.highest < self.last_sequence:
             missing.append((known.highest + 1, self.last_sequence + 1))
         return missing
+
+    def _settled(self, known: SequenceRanges) -> SequenceRanges:
+        """Return what is known or given up; only to be read."""
+        if not self.given_up:
+            return known
+        settled = known.copy()
+        settled.update(self.given_up)
+        return settled
 
     def review(self, elapsed_s: float) -> list[tuple[int, int]]:
         """Ask for holes and give up old ones; call a few times a second while a gateway is connected.
@@ -80,9 +87,11 @@ class SequenceLedger:
             What to ask the gateway for: half-open, lowest first, at most `REPORTED_HOLES`.
         """
         # Only what is asked for grows old: nothing is given up that the gateway was never asked for.
-        asked = {
-            hole: self._asked_s.get(hole, -elapsed_s) + elapsed_s for hole in self.holes()[:REPORTED_HOLES]
-        }
+        holes = self.holes()
+        if not holes:
+            self._asked_s = {}
+            return []
+        asked = {hole: self._asked_s.get(hole, -elapsed_s) + elapsed_s for hole in holes[:REPORTED_HOLES]}
         for hole in [hole for hole, age_s in asked.items() if age_s >= GIVE_UP_AFTER_S]:
             self.given_up.add_range(*hole)
             del asked[hole]
@@ -103,3 +112,47 @@ class SequenceLedger:
     def is_settled(self) -> bool:
         """Whether, after a goodbye, nothing more is to be waited for."""
         return self.last_sequence is not None and self.acknowledged >= self.last_sequence
+
+
+class Acknowledgements:
+    """What one connected gateway hears of its packets.
+
+    Parameters
+    ----------
+    session_id : str
+    """
+
+    def __init__(self, session_id: str) -> None:
+        self._session_id = session_id
+        self._reviewed_s = time.monotonic()
+        self._last: AcknowledgeMessage | None = None
+
+    def next(self, ledger: SequenceLedger, state: SessionState) -> AcknowledgeMessage:
+        """Review a ledger; return what the gateway may forget and what it should send again.
+
+        Asked for a few times a second for each session: while nothing has changed it is the same message as before.
+
+        Parameters
+        ----------
+        ledger : SequenceLedger
+        state : str
+            Of the session.
+        """
+        now_s, last = time.monotonic(), self._last
+        asked = ledger.review(now_s - self._reviewed_s)
+        self._reviewed_s = now_s
+        acknowledged, highest = ledger.acknowledged, ledger.highest
+        missing = [(start, min(stop, highest)) for start, stop in asked if start < highest]
+        if (
+            last is None
+            or (last.acknowledged, last.highest, last.state) != (acknowledged, highest, state)
+            or last.missing != missing
+        ):
+            self._last = last = AcknowledgeMessage(
+                session_id=self._session_id,
+                acknowledged=acknowledged,
+                highest=highest,
+                missing=missing,
+                state=state,
+            )
+        return last

@@ -22,7 +22,7 @@ from app.live.checks.plausibility import Check, check
 from app.live.checks.stray_source import StraySource
 from app.live.engine.lane import Parts
 from app.live.guidance.desk import GuidanceDesk
-from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
+from app.live.messages import HealthMessage, LayoutMessage, StateMessage
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
 from app.live.session.pooled import PooledSession
@@ -334,7 +334,8 @@ class LiveSession(PooledSession):
         """Return link health."""
         parts = self.parts
         median, high = parts.health.latency_ms()
-        return HealthMessage(
+        # Once a second for each session: its types are known here.
+        return HealthMessage.model_construct(
             sensors=parts.health.sensors(self.machine.state in STREAMING or self.machine.state == "failed"),
             packets_received=len(parts.ledger.received),
             packets_stored=len(parts.ledger.durable),
@@ -363,18 +364,6 @@ class LiveSession(PooledSession):
         """Return the columns of the frames."""
         found = self.pipeline
         return layout_message(self.id, found.layout, self.declaration.rate_hz, found.delay_ticks)
-
-    def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
-        """Return what the gateway may forget."""
-        ledger = self.now.ledger
-        highest = ledger.highest
-        return AcknowledgeMessage(
-            session_id=self.id,
-            acknowledged=ledger.acknowledged,
-            highest=highest,
-            missing=[(start, min(stop, highest)) for start, stop in missing if start < highest],
-            state=self.machine.state,
-        )
 
     def on_durable(self, durable: SequenceRanges) -> None:
         """Take the committed set; called from the writer's thread."""

@@ -1,13 +1,12 @@
 """A gateway's connection at an edge: its packets go into the stream, and are acknowledged once they are there."""
 
 import asyncio
-import time
 from collections.abc import Awaitable, Callable
 from typing import Any
 
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.contract import PacketSender, PooledPackets
-from app.live.session.ledger import SequenceLedger
+from app.live.session.ledger import Acknowledgements, SequenceLedger
 from app.live.session.states import OPEN
 from app.network.declaration import Declaration
 from app.network.messages import AcknowledgeMessage
@@ -89,7 +88,7 @@ class EdgeIntake:
         self._state: Any = "created"
         self._outbox, self._check_right, self._detached = outbox, check_right, detached
         self._ledger = SequenceLedger()
-        self._reviewed_s = time.monotonic()
+        self._acknowledgements = Acknowledgements(session_id)
         self._messages: asyncio.Queue[Text] = asyncio.Queue()
 
     @property
@@ -152,20 +151,12 @@ class EdgeIntake:
 
     def acknowledge(self) -> AcknowledgeMessage:
         """Return what the gateway may forget and what it should send again."""
-        now, ledger = time.monotonic(), self._ledger
+        ledger = self._ledger
         before = len(ledger.given_up)
-        missing = ledger.review(now - self._reviewed_s)
-        self._reviewed_s = now
+        found = self._acknowledgements.next(ledger, self._state)
         if len(ledger.given_up) != before:
             self._outbox.put(GivenUpEntry(self.session_id, list(ledger.given_up)))
-        highest = ledger.highest
-        return AcknowledgeMessage(
-            session_id=self.session_id,
-            acknowledged=ledger.acknowledged,
-            highest=highest,
-            missing=[(start, min(stop, highest)) for start, stop in missing if start < highest],
-            state=self._state,
-        )
+        return found
 
     def goodbye(self, last_sequence: int) -> None:
         """Note that nothing above `last_sequence` will come."""

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from starlette.websockets import WebSocket, WebSocketDisconnect
+from websockets.frames import Frame, Opcode
+from websockets.streams import StreamReader
 
-from app.network.lean_sockets import LeanSocket, lean_socket
+from app.network.lean_sockets import WHOLE_BINARY, WHOLE_TEXT, LeanSocket, frame_head, lean_socket
 from tests.app.serving import free_port, serving
 from tests.patience import PATIENCE_S
 
@@ -141,3 +143,16 @@ def test_nothing_is_handed_over_behind_the_end(served: tuple[Application, socket
     assert application.reader is not None
     until(lambda: connection.recv(4096) == b"")
     assert application.reader.got == []
+
+
+@pytest.mark.parametrize("size", [0, 1, 125, 126, 65_535, 65_536])
+@pytest.mark.parametrize(("first", "opcode"), [(WHOLE_TEXT, Opcode.TEXT), (WHOLE_BINARY, Opcode.BINARY)])
+def test_what_is_written_as_it_is_is_a_frame(size: int, first: int, opcode: Opcode) -> None:
+    reader = StreamReader()
+    reader.feed_data(frame_head(first, size) + bytes(size))
+    reader.feed_eof()
+    parsing = Frame.parse(reader.read_exact, mask=False)
+    with pytest.raises(StopIteration) as found:
+        next(parsing)
+    assert found.value.value == Frame(opcode, bytes(size))
+    assert not reader.buffer
