@@ -1,6 +1,7 @@
 """Which repetitions to leave out, and why, in words a therapist would use."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -30,10 +31,55 @@ class _Moved:
 
     time_s: Float
     values: Float
+    _ways: dict[tuple[float, float], "_Way"] = field(default_factory=dict)
 
     def cut(self, repetition: Repetition) -> "_Moved":
         inside = repetition.ticks(self.time_s)
         return _Moved(self.time_s[inside], self.values[inside])
+
+    def way(self, repetition: Repetition) -> "_Way":
+        """Return the way of a repetition, walked once for all that judge it."""
+        bounds = repetition.start_s, repetition.end_s
+        if bounds not in self._ways:
+            self._ways[bounds] = _walked(self.cut(repetition))
+        return self._ways[bounds]
+
+
+@dataclass(frozen=True)
+class _Way:
+    """The way of one repetition, without gaps.
+
+    Attributes
+    ----------
+    step_s : float
+        From tick to tick.
+    filled : ndarray, shape (N, D)
+        Its postures.
+    points : ndarray, shape (M, D)
+        The same in steps of one length; as it is where nothing moves.
+    place : ndarray, shape (M,), or None
+        Tick, with fraction, at which it came to each point; None where nothing moves.
+    """
+
+    step_s: float
+    filled: Float
+    points: Float
+    place: Float | None
+
+    @cached_property
+    def curve(self) -> Float:
+        """The way evenly along it, shape (101, D): pace and holds are no matter of its shape."""
+        path = np.concatenate([self.points, self.filled[-1:]])
+        return resample(np.arange(len(path), dtype=np.float64), path, PHASES)
+
+
+def _walked(cut: _Moved) -> _Way:
+    filled, _ = fill_gaps(cut.values)
+    step_s = float(np.median(np.diff(cut.time_s)))
+    size = float(np.linalg.norm(filled - filled[0], axis=1).max())
+    if not size > 0:
+        return _Way(step_s, filled, filled, None)
+    return _Way(step_s, filled, *walk(np.ascontiguousarray(filled), _STEP * size))
 
 
 def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: str) -> list[Repetition]:
@@ -104,7 +150,7 @@ def _judge_duration(moved: _Moved, retained: list[Repetition], places: list[int]
     durations = np.array([r.end_s - r.start_s for r in retained])
     usual = float(np.median(durations))
     # Who leaves out a hold has moved no shorter.
-    moving = np.array([_moving_s(moved.cut(r)) for r in retained])
+    moving = np.array([_moving_s(moved.way(r)) for r in retained])
     is_short = (durations < _SHORT * usual) & (moving < _SHORT * np.median(moving))
     odd: list[tuple[int, str]] = []
     for place, duration, short in zip(places, durations, is_short, strict=True):
@@ -115,22 +161,18 @@ def _judge_duration(moved: _Moved, retained: list[Repetition], places: list[int]
     return odd
 
 
-def _moving_s(cut: _Moved) -> float:
+def _moving_s(way: _Way) -> float:
     """How long a repetition takes without what is held in it, and a hold is a step that takes far longer than usual."""
-    filled, _ = fill_gaps(cut.values)
-    size = float(np.linalg.norm(filled - filled[0], axis=1).max())
-    if size == 0:
+    if way.place is None:
         return 0.0
-    _, place = walk(np.ascontiguousarray(filled), _STEP * size)
-    took = np.diff(place, append=len(filled) - 1.0)
-    return float(np.minimum(took, _HELD * np.median(took)).sum()) * float(np.median(np.diff(cut.time_s)))
+    took = np.diff(way.place, append=len(way.filled) - 1.0)
+    return float(np.minimum(took, _HELD * np.median(took)).sum()) * way.step_s
 
 
 def _judge_size_and_direction(
     moved: _Moved, retained: list[Repetition], places: list[int]
 ) -> list[tuple[int, str]]:
-    curves = _curves(moved, retained)
-    curves = [curve - (curve[0] + curve[-1]) / 2 for curve in curves]
+    curves = [curve - (curve[0] + curve[-1]) / 2 for curve in (moved.way(r).curve for r in retained)]
     usual = np.median(np.stack(curves), axis=0)
     if not usual.any():
         return []
@@ -146,20 +188,8 @@ def _judge_size_and_direction(
     return odd
 
 
-def _curves(moved: _Moved, retained: list[Repetition]) -> list[Float]:
-    """Return the way each repetition took, evenly along it: pace and holds are no matter of its shape."""
-    curves = []
-    for repetition in retained:
-        filled, _ = fill_gaps(moved.cut(repetition).values)
-        size = float(np.linalg.norm(filled - filled[0], axis=1).max())
-        path, _ = walk(np.ascontiguousarray(filled), _STEP * size) if size > 0 else (filled, None)
-        path = np.concatenate([path, filled[-1:]])
-        curves.append(resample(np.arange(len(path), dtype=np.float64), path, PHASES))
-    return curves
-
-
 def _judge_likeness(moved: _Moved, retained: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
-    curves = _curves(moved, retained)
+    curves = [moved.way(r).curve for r in retained]
     middle = np.median(np.stack(curves), axis=0)
     size = float(np.linalg.norm(middle - middle[0], axis=1).max())
     if size == 0:

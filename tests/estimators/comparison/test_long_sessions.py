@@ -1,8 +1,9 @@
-"""A long session must be cut like a short one: turning points explain it nearly as well as rest does."""
+"""A long session is cut like a short one, where turning points explain it nearly as well; no work is done twice."""
 
 import pytest
 
 from estimators import comparison, pipelines
+from estimators.comparison import _judgement
 from estimators.simulation import demonstration_scenario, simulate_arm
 
 
@@ -17,3 +18,12 @@ def test_forty_repetitions_begin_at_rest(seed):
     assert len(found) == len(truth) == 40
     # Half a repetition is 1.5 s; the bound of the short sessions is 0.25 s.
     assert max(abs(one.start_s - start) for one, start in zip(found, truth[:, 0], strict=True)) < 0.5
+
+
+def test_the_way_of_a_repetition_is_walked_once_for_all_who_judge_it(planar, monkeypatch):
+    made = planar(repetitions=12, noise_rad=0.002)
+    walked, walk = [], _judgement.walk
+    monkeypatch.setattr(_judgement, "walk", lambda *given: walked.append(given) or walk(*given))
+    judged = comparison.judge_repetitions(made.trajectory, made.truth, "right")
+    assert all(one.is_kept for one in judged)
+    assert len(walked) == 12
