@@ -7,7 +7,9 @@ that differ as jumping off and landing do are one repetition of two bends, and t
 do are two. Where a repetition begins is not said by what comes again: `_home` chooses.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Final
 
 import numpy as np
@@ -56,18 +58,29 @@ class Explanation:
     covered: float
 
 
-def explain(path: Path) -> list[Explanation]:
+Explaining = Callable[[tuple[int, int]], Explanation | None]
+"""What a piece of one path explains; None when it does not come again."""
+
+
+def explaining_once(path: Path) -> Explaining:
+    """Return what says of a piece of this path what it explains, and searches for each only once."""
+    return cache(partial(explained, path))
+
+
+def explain(path: Path, explaining: Explaining) -> list[Explanation]:
     """Try every closed piece; return what each explains, the best first.
 
     Parameters
     ----------
     path : Path
+    explaining : callable
+        From `explaining_once`.
     """
     pieces = closed_pieces(path)
     work = len(path.points) * sum(b - a + 1 for a, b in pieces)
     if work > _CELLS:
         pieces = pieces[:: int(np.ceil(work / _CELLS))]
-    found = [explanation for piece in pieces if (explanation := explained(path, piece)) is not None]
+    found = [explanation for piece in pieces if (explanation := explaining(piece)) is not None]
     return sorted(found, key=lambda one: -one.gain)
 
 

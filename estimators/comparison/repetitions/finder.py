@@ -14,7 +14,7 @@ import numpy as np
 from estimators.comparison._contract import Repetition, Trajectory
 from estimators.comparison._posture import posture
 from estimators.comparison.channels.sided import fill_gaps
-from estimators.comparison.repetitions.cycles import Explanation, explain
+from estimators.comparison.repetitions.cycles import Explanation, explain, explaining_once
 from estimators.comparison.repetitions.home import at_home, most_likely, with_tries
 from estimators.comparison.repetitions.path import Path, path_of, smoothed
 from estimators.recording import Float
@@ -69,7 +69,8 @@ def find_repetitions(
     path = path_of(values, step_s)
     if path is None or path.size < _SMALLEST_MOVEMENT:
         return []
-    found = most_likely(explain(path), path, step_s)
+    explaining = explaining_once(path)
+    found = most_likely(explain(path, explaining), path, step_s, explaining)
     if found is None or found.covered < _EXPLAINED:
         return []
     speed = np.linalg.norm(np.gradient(values, step_s, axis=0), axis=1)

@@ -5,6 +5,7 @@ than within: the cut is tried all along one repetition, and on the stay next to 
 posture of the cut, and any is as right as another.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Final
@@ -12,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.comparison.repetitions.cycles import BACK, LEFT, OPEN, Explanation, closed_pieces, explained
+from estimators.comparison.repetitions.cycles import BACK, LEFT, OPEN, Explaining, Explanation, closed_pieces
 from estimators.comparison.repetitions.cycles_kernel import stays_at_home
 from estimators.comparison.repetitions.path import Path
 
@@ -44,7 +45,9 @@ _LONG_REST_S: Final = 1.5
 """Nobody who exercises pauses inside a repetition for long: rest at either end speaks for home the more the longer."""
 
 
-def most_likely(found: list[Explanation], path: Path, step_s: float) -> Explanation | None:
+def most_likely(
+    found: list[Explanation], path: Path, step_s: float, explaining: Explaining
+) -> Explanation | None:
     """Return the best explanation, cut where the repetitions begin and end.
 
     Parameters
@@ -54,6 +57,8 @@ def most_likely(found: list[Explanation], path: Path, step_s: float) -> Explanat
     path : Path
     step_s : float
         Between samples.
+    explaining : callable
+        From `cycles.explaining_once`, of this path.
 
     Notes
     -----
@@ -63,28 +68,37 @@ def most_likely(found: list[Explanation], path: Path, step_s: float) -> Explanat
     if not found:
         return _single(path, step_s)
     best = found[0]
-    shifted = [one for piece in _shifted(best, path) if (one := explained(path, piece)) is not None]
+    shifted = [one for piece in _shifted(best, path) if (one := explaining(piece)) is not None]
     rivals = [best, *(one for one in shifted if one.gain >= _RIVAL * best.gain)]
     most = max(len(one.matches) for one in rivals)
+    rested: dict[tuple[int, int], float] = {}
+
+    def rest(one: Explanation) -> float:
+        # A piece explains the same whenever it is asked for.
+        if one.piece not in rested:
+            rested[one.piece] = _rest(one, path, step_s)
+        return rested[one.piece]
 
     def fitness(one: Explanation) -> float:
         # A recording that begins or ends inside a repetition shows a whole one more of those that are cut elsewhere.
         count = min((len(one.matches) + 1) / most, 1.0)
-        return count + one.covered / best.covered + one.gain / best.gain + _rest(one, path, step_s)
+        return count + one.covered / best.covered + one.gain / best.gain + rest(one)
 
-    return max((_centred(one, path, step_s) for one in rivals), key=fitness)
+    return max((_centred(one, path, rest, explaining) for one in rivals), key=fitness)
 
 
-def _centred(one: Explanation, path: Path, step_s: float) -> Explanation:
+def _centred(
+    one: Explanation, path: Path, rest: Callable[[Explanation], float], explaining: Explaining
+) -> Explanation:
     """Cut where the stays at home are, not near them, unless that loses them: the cuts tried are some way apart."""
     left = at_home(one, path)[:, 0]
     begins = one.matches[:, 0]
     away = np.maximum(left[:, 0] - begins, 0) + np.minimum(left[:, 1] - begins, 0)
     pieces = _cut_at(path, one.piece[0] + round(float(np.median(away))), one.piece[1] - one.piece[0])
-    centred = [found for piece in pieces if (found := explained(path, piece)) is not None]
-    rest = _LEAST_OF_REST * _rest(one, path, step_s)
+    centred = [found for piece in pieces if (found := explaining(piece)) is not None]
+    least = _LEAST_OF_REST * rest(one)
     return next(
-        (new for new in centred if len(new.matches) >= len(one.matches) and _rest(new, path, step_s) >= rest),
+        (new for new in centred if len(new.matches) >= len(one.matches) and rest(new) >= least),
         one,
     )
 
@@ -93,7 +107,7 @@ def _single(path: Path, step_s: float) -> Explanation | None:
     """Return the movement that was done once, from rest to rest; None where there is none."""
     count = len(path.points) - 1
     once = [Explanation((a, b), np.array([(a, b)]), 0.0, (b - a) / count) for a, b in closed_pieces(path)]
-    found = [one for one in once if min(_rested_at_the_ends(one, path, step_s)) > _REST_S]
+    found = [one for one in once if min(_rested_at_the_ends(at_home(one, path), path, step_s)) > _REST_S]
     return max(found, key=lambda one: one.covered, default=None)
 
 
@@ -250,16 +264,15 @@ def _rest(one: Explanation, path: Path, step_s: float) -> float:
     length = float(np.median(np.diff(path.place[one.matches], axis=1)))
     follows = stays[:-1, 1, 0] == stays[1:, 0, 0]
     rest = float(np.median(stayed[1:, 0][follows])) / (length + 1.0) if follows.any() else 0.0
-    ends = sum(min(rested / _LONG_REST_S, 1.0) for rested in _rested_at_the_ends(one, path, step_s))
+    ends = sum(min(rested / _LONG_REST_S, 1.0) for rested in _rested_at_the_ends(stays, path, step_s))
     return _REST_WORTH * min(rest, 1.0) + _END_WORTH * ends
 
 
-def _rested_at_the_ends(one: Explanation, path: Path, step_s: float) -> list[float]:
+def _rested_at_the_ends(stays: NDArray[np.int64], path: Path, step_s: float) -> list[float]:
     """Seconds that somebody rests at home at either end; none where they do something else before, or after.
 
-    A hold inside a repetition has a part of one on either side.
+    `stays` are those of `at_home`. A hold inside a repetition has a part of one on either side.
     """
-    stays = at_home(one, path)
     place = np.append(path.place, path.last)
     rested = []
     for rest, other, outside in (

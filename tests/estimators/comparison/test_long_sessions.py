@@ -4,6 +4,7 @@ import pytest
 
 from estimators import comparison, pipelines
 from estimators.comparison import _judgement
+from estimators.comparison.repetitions import cycles
 from estimators.simulation import demonstration_scenario, simulate_arm
 
 
@@ -27,3 +28,13 @@ def test_the_way_of_a_repetition_is_walked_once_for_all_who_judge_it(planar, mon
     judged = comparison.judge_repetitions(made.trajectory, made.truth, "right")
     assert all(one.is_kept for one in judged)
     assert len(walked) == 12
+
+
+def test_no_piece_of_the_path_is_searched_for_twice(planar, monkeypatch):
+    made = planar(repetitions=20, noise_rad=0.002)
+    searched, search = [], cycles.search
+    monkeypatch.setattr(
+        cycles, "search", lambda piece, *given: searched.append(piece.tobytes()) or search(piece, *given)
+    )
+    assert len(comparison.find_repetitions(made.trajectory, "right")) == 20
+    assert len(set(searched)) == len(searched) > 50
