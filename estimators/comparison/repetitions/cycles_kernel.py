@@ -1,4 +1,4 @@
-"""Compiled parts of the search for what repeats: the path, where a piece of it comes again, and the stays at home."""
+"""Compiled parts of the search for what repeats: turns, the path, where a piece comes again, and stays at home."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,34 @@ def walk(values: Float, step: float) -> tuple[Float, Float]:  # pragma: no cover
             place[count] = max(place[count - 1], i - 1 + share)
             count += 1
     return path[:count].copy(), place[:count].copy()
+
+
+@compiled("int64[::1](float64[::1], float64)", error_model="python")
+def turning_points(signal: Float, reversal: float) -> NDArray[np.int64]:  # pragma: no cover
+    """Return the samples at which a signal turns, its beginning before them and its last extreme after them.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+    reversal : float
+        How far it goes back from an extreme before that was a turn.
+    """
+    turns = np.zeros(len(signal) + 1, dtype=np.int64)
+    count, extreme, direction = 1, 0, 0
+    for i in range(1, len(signal)):
+        way = signal[i] - signal[extreme]
+        if direction == 0:
+            if abs(way) > reversal:
+                direction = 1 if way > 0 else -1
+                extreme = i
+        elif way * direction > 0:
+            extreme = i
+        elif abs(way) > reversal:
+            turns[count] = extreme
+            count += 1
+            direction, extreme = -direction, i
+    turns[count] = extreme
+    return turns[: count + 1].copy()
 
 
 @compiled(

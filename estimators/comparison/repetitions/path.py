@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from estimators.comparison.repetitions.cycles_kernel import walk
+from estimators.comparison.repetitions.cycles_kernel import turning_points, walk
 from estimators.recording import Float
 
 _FINE, _COARSE = 0.07, 0.15
@@ -87,21 +87,7 @@ def _rise_s(signal: Float, step_s: float) -> float:
     """How long the signal usually takes for the middle three fifths of its way from one turn to the next."""
     low, high = np.percentile(signal, (3, 97))
     reversal = 0.35 * (high - low)
-    turns, extreme, direction = [0], 0, 0
-    # Numbers of Python: one by one they are looked at several times faster than in an array.
-    values = signal.tolist()
-    for i in range(1, len(values)):
-        way = values[i] - values[extreme]
-        if way * direction > 0 or direction == 0:
-            if direction == 0 and abs(way) > reversal:
-                direction = 1 if way > 0 else -1
-                extreme = i
-            elif direction:
-                extreme = i
-        elif abs(way) > reversal:
-            turns.append(extreme)
-            direction, extreme = -direction, i
-    turns.append(extreme)
+    turns = turning_points(np.ascontiguousarray(signal), reversal).tolist()
     rises = []
     for a, b in pairwise(turns):
         if b > a:
