@@ -1,5 +1,7 @@
 """Smoothness and speed profile: spectral arc length, movement units, peak speed."""
 
+import functools
+
 import numpy as np
 import scipy
 
@@ -42,17 +44,24 @@ def spectral_arc_length(speed: Float, rate_hz: float) -> float:
         return float("nan")
     points = 2 ** (int(np.ceil(np.log2(samples))) + PAD_LEVEL)
     magnitude = np.abs(np.fft.rfft(speed, points))
-    frequency_hz = np.fft.rfftfreq(points, 1.0 / rate_hz)
+    frequency_hz, step_hz = _band(points, rate_hz)
     # Of what is above the band nothing but its maximum counts.
-    band = int(np.searchsorted(frequency_hz, CUT_OFF_HZ, side="right"))
-    frequency_hz, magnitude = frequency_hz[:band], magnitude[:band] / magnitude.max()
-    inside = np.flatnonzero(magnitude >= AMPLITUDE_THRESHOLD)
-    chosen = slice(inside[0], inside[-1] + 1)
-    width_hz = frequency_hz[inside[-1]] - frequency_hz[inside[0]]
+    magnitude = magnitude[: len(frequency_hz)] / magnitude.max()
+    inside = (magnitude >= AMPLITUDE_THRESHOLD).nonzero()[0]
+    first, last = int(inside[0]), int(inside[-1])
+    width_hz = frequency_hz[last] - frequency_hz[first]
     if width_hz <= 0:
         return float("nan")
-    steps = np.hypot(np.diff(frequency_hz[chosen]) / width_hz, np.diff(magnitude[chosen]))
-    return -float(steps.sum())
+    rise = magnitude[first + 1 : last + 1] - magnitude[first:last]
+    return -float(np.hypot(step_hz[first:last] / width_hz, rise).sum())
+
+
+@functools.lru_cache(maxsize=64)
+def _band(points: int, rate_hz: float) -> tuple[Float, Float]:
+    """Return the frequencies of a transform up to the cut-off, and their steps: the same for all of its length, Hz."""
+    frequency_hz: Float = np.asarray(np.fft.rfftfreq(points, 1.0 / rate_hz))
+    frequency_hz = frequency_hz[: int(np.searchsorted(frequency_hz, CUT_OFF_HZ, side="right"))]
+    return frequency_hz, np.asarray(np.diff(frequency_hz))
 
 
 def noise_level(speed: Float, rate_hz: float) -> float:
