@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
@@ -55,34 +56,61 @@ def interjoint_coordination(
     """
     if first_rad.shape != second_rad.shape or first_rad.ndim != 1:
         raise ShapeError(f"two joints of shapes {first_rad.shape} and {second_rad.shape}; both must be (N,)")
-    both = np.stack([first_rad, second_rad])
-    if len(first_rad) < 8 or not np.isfinite(both).all() or np.ptp(both, axis=1).min() < floor_rad:
-        return None
-    largest = int(_LARGEST_LAG * len(first_rad))
-    at_lags = _at_lags(first_rad, second_rad, largest)
-    correlation = float(at_lags[largest])
-    lag = int(np.nanargmax(at_lags)) - largest
-    return Coordination(correlation, lag / rate_hz, 0.5 * (1.0 + abs(correlation)))
+    return interjoint_coordinations(first_rad[None], second_rad[None], rate_hz, floor_rad)[0]
+
+
+def interjoint_coordinations(
+    first_rad: Float, second_rad: Float, rate_hz: float, floor_rad: float
+) -> list[Coordination | None]:
+    """Return `interjoint_coordination` of several pairs of the same ticks, each of shape (S, N)."""
+    samples = first_rad.shape[1]
+    if samples < 8:
+        return [None] * len(first_rad)
+    is_known = np.isfinite(first_rad).all(axis=1) & np.isfinite(second_rad).all(axis=1)
+    moves = np.minimum(np.ptp(first_rad, axis=1), np.ptp(second_rad, axis=1)) >= floor_rad
+    used = np.flatnonzero(is_known & moves)
+    largest = int(_LARGEST_LAG * samples)
+    found: list[Coordination | None] = [None] * len(first_rad)
+    for place, at_lags in zip(
+        used.tolist(), _at_lags(first_rad[used], second_rad[used], largest), strict=True
+    ):
+        correlation = float(at_lags[largest])
+        lag = int(np.nanargmax(at_lags)) - largest
+        found[place] = Coordination(correlation, lag / rate_hz, 0.5 * (1.0 + abs(correlation)))
+    return found
 
 
 def _at_lags(first: Float, second: Float, largest: int) -> Float:
-    """Return r of the first with the second `lag` samples later, where both are known, for all lags to the largest."""
-    count = len(first)
-    a, b = first - first.mean(), second - second.mean()
+    """Return r of the first with the second `lag` samples later, where both are known, for all lags to the largest.
+
+    Of pairs of shape (S, N) each, shape (S, 2 largest + 1).
+    """
+    count = first.shape[1]
     lags = np.arange(-largest, largest + 1)
     shared = count - np.abs(lags)
-    products = scipy.signal.correlate(b, a)[count - 1 + lags]
     # Where the second is later, the end of the first has no partner, and the beginning of the second.
-    starts = (np.maximum(-lags, 0), np.maximum(lags, 0))
-    sums: list[Float] = []
-    squares: list[Float] = []
-    for values, start in zip((a, b), starts, strict=True):
-        for power, found in ((1, sums), (2, squares)):
-            total = np.concatenate([[0.0], np.cumsum(values**power)])
-            found.append(total[start + shared] - total[start])
-    spread = np.prod([square - part**2 / shared for square, part in zip(squares, sums, strict=True)], axis=0)
+    starts = np.stack([np.maximum(-lags, 0), np.maximum(lags, 0)])
+    both = np.stack([first, second])
+    both = both - both.mean(axis=2, keepdims=True)
+    products = np.array(
+        [
+            scipy.signal.correlate(b, a)[count - 1 - largest : count + largest]
+            for a, b in zip(*both, strict=True)
+        ]
+    ).reshape(-1, len(lags))
+    sums, squares = (_over(values, starts, shared) for values in (both, both**2))
+    spread = np.prod(squares - sums**2 / shared, axis=0)
     together = products - sums[0] * sums[1] / shared
     return np.where(spread > 0, together / np.sqrt(np.where(spread > 0, spread, 1.0)), np.nan)
+
+
+def _over(values: Float, starts: NDArray[np.intp], counts: NDArray[np.intp]) -> Float:
+    """Return sums of so many values of both joints, shape (2, S, N), from so many starts of each, shape (2, L)."""
+    total = np.zeros((*values.shape[:2], values.shape[2] + 1))
+    np.cumsum(values, axis=2, out=total[:, :, 1:])
+    return np.stack(
+        [own[:, start + counts] - own[:, start] for own, start in zip(total, starts, strict=True)]
+    )
 
 
 @dataclass(frozen=True)

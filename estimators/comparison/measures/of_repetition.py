@@ -9,7 +9,7 @@ import scipy
 from estimators.comparison._contract import Measure
 from estimators.comparison._smoothness import noise_levels
 from estimators.comparison.channels.sided import SideChannels, fill_gaps
-from estimators.comparison.measures.coordination import interjoint_coordination
+from estimators.comparison.measures.coordination import interjoint_coordination, interjoint_coordinations
 from estimators.comparison.measures.strokes import (
     CUT_OFF_HZ,
     LEAST_PATH,
@@ -96,16 +96,31 @@ def _jerk(path: Float, stroke: slice, rate_hz: float) -> Measure:
 
 
 @functools.cache
-def _low_pass(rate_hz: float) -> Float:
-    return np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
+def _low_pass(rate_hz: float) -> tuple[Float, Float]:
+    """Return the sections of the low pass, and the state of one that has long seen a one."""
+    sections = np.asarray(scipy.signal.butter(2, CUT_OFF_HZ, fs=rate_hz, output="sos"))
+    return sections, np.asarray(scipy.signal.sosfilt_zi(sections))[:, None, None, :]
 
 
 def _smooth(velocity: Float, rate_hz: float) -> Float:
-    """Filter forwards and backwards along the second axis, shape (S, N, D)."""
+    """Filter forwards and backwards along the second axis, shape (S, N, D): `scipy.signal.sosfiltfilt`.
+
+    Its odd ends and its filter, with time along the memory and what is the same for all repetitions done once.
+    """
     if 0.45 * rate_hz <= CUT_OFF_HZ:
         return velocity
-    pad = min(3 * round(rate_hz / CUT_OFF_HZ), velocity.shape[1] - 1)
-    return np.asarray(scipy.signal.sosfiltfilt(_low_pass(round(rate_hz, 6)), velocity, axis=1, padlen=pad))
+    sections, settled = _low_pass(round(rate_hz, 6))
+    samples = velocity.shape[1]
+    pad = min(3 * round(rate_hz / CUT_OFF_HZ), samples - 1)
+    within = slice(pad, pad + samples)
+    own = np.swapaxes(velocity, 1, 2)
+    longer = np.empty((*own.shape[:2], samples + 2 * pad))
+    longer[..., within] = own
+    longer[..., :pad] = 2 * own[..., :1] - own[..., pad:0:-1]
+    longer[..., within.stop :] = 2 * own[..., -1:] - own[..., -2 : -(pad + 2) : -1]
+    there, _ = scipy.signal.sosfilt(sections, longer, zi=settled * longer[..., :1])
+    back, _ = scipy.signal.sosfilt(sections, there[..., ::-1], zi=settled * there[..., -1:])
+    return np.ascontiguousarray(np.swapaxes(back[..., ::-1][..., within], 1, 2))
 
 
 def units_measure(
@@ -166,9 +181,11 @@ def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: 
     sigma = np.array([_typical(arm.sigma[stroke, column]) for column in columns])
     if np.isfinite(sigma).all():
         drift = np.linspace(0.0, 1.0, angles.shape[1])
-        others = (
-            interjoint_coordination(angles[0] + sigma[0] * drift, angles[1], rate_hz, 0.0),
-            interjoint_coordination(angles[0], angles[1] + sigma[1] * drift, rate_hz, 0.0),
+        others = interjoint_coordinations(
+            np.stack([angles[0] + sigma[0] * drift, angles[0]]),
+            np.stack([angles[1], angles[1] + sigma[1] * drift]),
+            rate_hz,
+            0.0,
         )
         here = np.array([found.correlation, found.lag_s, found.common_share])
         away = [np.array([one.correlation, one.lag_s, one.common_share]) - here for one in others if one]
