@@ -191,6 +191,11 @@ class RepetitionResult:
     warp_template_phase: Float
     outside: dict[str, list[tuple[int, int]]]
 
+    @cached_property
+    def by_name(self) -> dict[str, Measure]:
+        """Its measures by their names."""
+        return {measure.name: measure for measure in self.measures}
+
 
 @dataclass(frozen=True)
 class ComparisonResult:

@@ -6,6 +6,7 @@ of some repetitions is lost in the mean of all: it is reported with their number
 """
 
 import functools
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -124,7 +125,7 @@ def _in_some(
 
 
 def _of_one(name: str, one: RepetitionResult, template: Template) -> _Difference | None:
-    alone = next((measure for measure in one.measures if measure.name == name), None)
+    alone = one.by_name.get(name)
     return _difference(name, [one], {name: replace(alone, count=1)}, template) if alone else None
 
 
@@ -183,11 +184,10 @@ def _difference(
     measure, reference = summary.get(name), template.measures.get(name)
     if measure is None or reference is None or not np.isfinite(measure.value) or not np.isfinite(reference):
         return None
-    own = [
-        m.uncertainty for r in retained for m in r.measures if m.name == name and np.isfinite(m.uncertainty)
-    ]
+    named = (one.by_name.get(name) for one in retained)
+    own = [m.uncertainty for m in named if m is not None and np.isfinite(m.uncertainty)]
     # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
-    sensor = 2.0 * float(np.median(own)) if own else 0.0
+    sensor = 2.0 * statistics.median(own) if own else 0.0
     count = measure.count
     chance = _student(count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
     deviation = template.measure_sd.get(name, np.nan)
