@@ -132,7 +132,7 @@ class Comparison:
     @cached_property
     def scaled(self) -> SideChannels:
         """The arm in the size of the template's person."""
-        return side_channels(self.source, self.template.side, self.template.reach_m / self.reach_m)
+        return self.own.resized(self.template.reach_m / self.reach_m)
 
     @cached_property
     def turning(self) -> bool:
@@ -154,9 +154,9 @@ class Comparison:
             )
         curves = near(_on_template_channels(scaled, template), template.mean, template.channels)
         alignment = align_timing(curves, template.mean, self.scale)
-        aligned = apply(alignment, curves, PHASES)
+        both = np.concatenate([curves, _phase_sigma(scaled, template)], axis=1)
+        aligned, own_sigma = map(np.ascontiguousarray, np.hsplit(apply(alignment, both, PHASES), 2))
         sigma = _channel_sigma(scaled, template)
-        own_sigma = apply(alignment, _phase_sigma(scaled, template), PHASES)
         measures = repetition_measures(
             self.source, own, repetition, template.side, self.reach_m, template.primary_channel, self.turning
         )
