@@ -135,7 +135,7 @@ def speed_profile(
     """
     if len(arm.time_s) < 8:
         return None
-    step_s = float(np.median(np.diff(arm.time_s)))
+    step_s = arm.step_s
     window = max(5, 2 * round(0.05 / step_s) + 1)
     if turning:
         angle = arm.column(primary)
@@ -198,7 +198,7 @@ def repetition_measures(
         return measures
     path, smoothed, sigma_m = None if turning else hand_travel(arm, side), None, float("nan")
     if path is not None:
-        step_s = float(np.median(np.diff(arm.time_s)))
+        step_s = arm.step_s
         smoothed = scipy.ndimage.gaussian_filter1d(path, PATH_SMOOTHING_S / step_s, axis=0, mode="nearest")
         sigma_m = position_sigma(arm, reach_m)
         measures.append(_path_ratio(smoothed, sigma_m))
@@ -223,10 +223,11 @@ def repetition_measures(
 def _extents(arm: SideChannels) -> list[Measure]:
     """Return the range of every angle, and of everything that shows compensation."""
     found = []
-    for column, channel in enumerate(arm.channels):
-        if "." in channel:
-            continue
-        extent, sigma = _extent(arm.values[:, column], arm.sigma[:, column])
+    columns = [column for column, name in enumerate(arm.channels) if "." not in name]
+    for column, extent, sigma in zip(
+        columns, *_ranges(arm.values[:, columns], arm.sigma[:, columns]), strict=True
+    ):
+        channel = arm.channels[column]
         if not is_compensation(channel):
             found.append(_single(f"range:{channel}", "range", extent, channel_unit(channel), sigma))
             continue
@@ -241,12 +242,16 @@ def _single(name: str, group: str, value: float, unit: str, sigma: float) -> Mea
     return Measure(name=name, group=group, value=float(value), unit=unit, uncertainty=float(sigma), count=1)
 
 
-def _extent(values: Float, sigma: Float) -> tuple[float, float]:
-    """Largest minus smallest value and its standard deviation, the two ends taken as independent."""
-    if np.isfinite(values).mean() < 0.5:
-        return float("nan"), float("nan")
-    high, low = int(np.nanargmax(values)), int(np.nanargmin(values))
-    return float(values[high] - values[low]), float(np.hypot(sigma[high], sigma[low]))
+def _ranges(values: Float, sigma: Float) -> tuple[list[float], list[float]]:
+    """Largest minus smallest value of each column and its standard deviation, the two ends taken as independent."""
+    known, every = ~np.isnan(values), np.arange(values.shape[1])
+    high = np.argmax(np.where(known, values, -np.inf), axis=0)
+    low = np.argmin(np.where(known, values, np.inf), axis=0)
+    is_enough = np.isfinite(values).mean(axis=0) >= 0.5
+    extent = np.where(is_enough, values[high, every] - values[low, every], np.nan)
+    return extent.tolist(), np.where(
+        is_enough, np.hypot(sigma[high, every], sigma[low, every]), np.nan
+    ).tolist()
 
 
 def position_sigma(arm: SideChannels, reach_m: float) -> float:

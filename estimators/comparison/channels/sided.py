@@ -1,6 +1,7 @@
 """The channels of one side, of which only some show how the limb is meant to move."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -38,6 +39,11 @@ class SideChannels:
     channels: tuple[str, ...]
     values: Float
     sigma: Float
+
+    @cached_property
+    def step_s(self) -> float:
+        """From tick to tick, usually."""
+        return float(np.median(np.diff(self.time_s)))
 
     def column(self, channel: str) -> Float | None:
         """Return one channel, shape (N,), or None when it was not measured."""
