@@ -91,11 +91,13 @@ class Samples:
 
     def _joined(self, parts: Sequence[Self], places: Sequence[int]) -> Self:
         found: dict[str, Any] = {}
+        count: int | None = None
         for name in vars(self):
             values = [getattr(part, name) for part in parts]
             known = next((value for value in values if value is not None), None)
             if isinstance(known, np.ndarray):
-                count = max(at + part.tick_count for at, part in zip(places, parts, strict=True))
+                if count is None:
+                    count = max(at + part.tick_count for at, part in zip(places, parts, strict=True))
                 found[name] = self._laid(values, known, places, count)
             elif isinstance(known, Samples):
                 found[name] = known._joined(values, places)

@@ -92,23 +92,18 @@ class SessionSetup:
             for name, known in values.get("device_constants", {}).items()
         }
         if values.get("calibration") is not None:
-            calibration = dict(values["calibration"])
-            calibration["q_sensor_segment"] = {
-                k: tuple(v) for k, v in calibration["q_sensor_segment"].items()
-            }
-            calibration["gyroscope_bias_radps"] = {
-                k: tuple(v) for k, v in calibration["gyroscope_bias_radps"].items()
-            }
-            calibration["accelerometer_bias_mps2"] = {
-                k: tuple(v) for k, v in calibration.get("accelerometer_bias_mps2", {}).items()
-            }
-            calibration["mounting_sigma_rad"] = {
-                k: tuple(v) for k, v in calibration.get("mounting_sigma_rad", {}).items()
-            }
-            calibration["reasons"] = tuple(CATALOGUE.restored(list(calibration["reasons"])))
-            calibration["unknown_headings"] = tuple(calibration.get("unknown_headings", ()))
-            values["calibration"] = Calibration(**calibration)
+            values["calibration"] = calibration_from_dict(values["calibration"])
         return cls(**values)
+
+
+def calibration_from_dict(stored: Mapping[str, Any]) -> Calibration:
+    """Rebuild a calibration from the plain JSON types that `SessionSetup.to_dict` gives of it."""
+    values = dict(stored)
+    for name in ("q_sensor_segment", "gyroscope_bias_radps", "accelerometer_bias_mps2", "mounting_sigma_rad"):
+        values[name] = {placement: tuple(one) for placement, one in values.get(name, {}).items()}
+    values["reasons"] = tuple(CATALOGUE.restored(list(values["reasons"])))
+    values["unknown_headings"] = tuple(values.get("unknown_headings", ()))
+    return Calibration(**values)
 
 
 @dataclass(frozen=True)

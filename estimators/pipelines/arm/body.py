@@ -13,7 +13,7 @@ from estimators.conventions import GRAVITY_MPS2, Placement
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
-from estimators.pipelines._contract import Calibration, SessionSetup
+from estimators.pipelines._contract import Calibration, SessionSetup, calibration_from_dict
 from estimators.pipelines.arm.kernel import Worn, compose
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
@@ -401,8 +401,8 @@ class BodyNetwork:
         prefix = "orientation."
         self._filter.restore({k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)})
         stored = json.loads(state["calibration"].tobytes())
-        plain = {**self.setup.to_dict(), "calibration": stored}
-        self.setup = replace(self.setup, calibration=SessionSetup.from_dict(plain).calibration)
+        found = None if stored is None else calibration_from_dict(stored)
+        self.setup = replace(self.setup, calibration=found)
         self._apply(self.setup.calibration)
         self._next_tick = int(state["next_tick"])
         self._memory_tick = state["memory_tick"].astype(np.int64)
