@@ -6,22 +6,24 @@ session's main result. Their spread is the standard deviation between repetition
 
 import math
 import statistics
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
 from typing import Any, Final
 
-from sqlalchemy import ColumnElement, Subquery, func, select
+from sqlalchemy import ColumnElement, Subquery, func, insert, select
 from sqlalchemy.orm import Session
 
-from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
+from app.assessment.models import ALL_REPETITIONS, Comparison, ComparisonMeasure, RepetitionMeasure
 from app.recordings.models import MotionSession, Result
 from estimators.comparison.measures import FEWEST_SESSIONS, detectable_change
 
 BASELINE: Final = FEWEST_SESSIONS
 """Sessions needed before it can be said how much one differs from another without any change."""
+
+_MEASURES: Final[Any] = ComparisonMeasure.__table__
+"""By the table itself, whose rows come sooner than those of the class."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,67 +127,74 @@ def session_values(
     ).all()
     if not sessions:
         return []
-    drawn = _over_repetitions(newest, measures)
-    found: dict[str, list[Sequence[Any]]] = defaultdict(list)
-    for row in session.execute(select(drawn).order_by(drawn.c.comparison_id, drawn.c.measure)):
-        found[row[0]].append(row)
-    return [value for one in sessions for value in _values(one, found.get(one[0], ()))]
+    drawn = (
+        select(_MEASURES)
+        .join(newest, (newest.c.id == _MEASURES.c.comparison_id) & (newest.c.rank == 1))
+        .order_by(_MEASURES.c.comparison_id, _MEASURES.c.measure)
+    )
+    if measures is not None:
+        drawn = drawn.where(_MEASURES.c.measure.in_(measures))
+    found: dict[str, list[SessionValue]] = {one[0]: [] for one in sessions}
+    heads = {one[0]: one for one in sessions}
+    # By the connection: the session would hold ten thousand rows until the last is read.
+    for row in session.connection().execute(drawn):
+        # One may have been compared between both statements.
+        if row[0] in heads:
+            found[row[0]].append(_value(heads[row[0]], row))
+    return [value for values in found.values() for value in values]
 
 
-def _values(one: Sequence[Any], measured: Sequence[Sequence[Any]]) -> list[SessionValue]:
-    """Return the values of a session, from the two statements of `session_values`.
+def _value(head: Sequence[Any], measured: Sequence[Any]) -> SessionValue:
+    """Return a value of a session, from a row of each statement of `session_values`.
 
     Rows are taken apart by place: by name each of ten thousand costs far more.
     """
     _, patient, exercise, name, started_at, created_at, counted, orientation, version, pipeline, template = (
-        one
+        head
     )
-    at = started_at or created_at
-    values = []
-    for _, measure, unit, mean, mean_square, repetitions, first, uncertainty in measured:
-        is_of_all = first == ALL_REPETITIONS
-        values.append(
-            SessionValue(
-                patient_id=patient,
-                exercise_id=exercise,
-                session_id=name,
-                at=at,
-                measure=measure,
-                unit=unit,
-                mean=mean,
-                spread=uncertainty if is_of_all else _spread(mean, mean_square, repetitions),
-                count=counted if is_of_all else repetitions,
-                orientation=orientation,
-                orientation_version=version,
-                pipeline_version=pipeline,
-                template_version_id=template,
-            )
-        )
-    return values
+    _, measure, unit, mean, mean_square, repetitions, is_of_all, uncertainty = measured
+    return SessionValue(
+        patient_id=patient,
+        exercise_id=exercise,
+        session_id=name,
+        at=started_at or created_at,
+        measure=measure,
+        unit=unit,
+        mean=mean,
+        spread=uncertainty if is_of_all else _spread(mean, mean_square, repetitions),
+        count=counted if is_of_all else repetitions,
+        orientation=orientation,
+        orientation_version=version,
+        pipeline_version=pipeline,
+        template_version_id=template,
+    )
 
 
-def _over_repetitions(newest: Subquery, measures: Sequence[str] | None) -> Subquery:
-    """Return each measure of the comparison that counts of each session, drawn together over its repetitions.
+def store_drawn(session: Session, comparison_id: str) -> None:
+    """Store each measure of a comparison drawn together over its repetitions, whose rows are there.
 
-    Only of the sessions that are asked for: repetitions of other exercises are by far the most.
+    By the database, once: progress over hundreds of sessions then reads a tenth of the rows.
+
+    Parameters
+    ----------
+    session : Session
+    comparison_id : str
     """
     drawn = (
         select(
             RepetitionMeasure.comparison_id,
             RepetitionMeasure.measure,
-            func.min(RepetitionMeasure.unit).label("unit"),
-            func.avg(RepetitionMeasure.value).label("mean"),
-            func.avg(RepetitionMeasure.value * RepetitionMeasure.value).label("mean_square"),
-            func.count().label("repetitions"),
-            func.min(RepetitionMeasure.repetition).label("first"),
-            func.max(RepetitionMeasure.uncertainty).label("uncertainty"),
+            func.min(RepetitionMeasure.unit),
+            func.avg(RepetitionMeasure.value),
+            func.avg(RepetitionMeasure.value * RepetitionMeasure.value),
+            func.count(),
+            func.min(RepetitionMeasure.repetition) == ALL_REPETITIONS,
+            func.max(RepetitionMeasure.uncertainty),
         )
-        .join(newest, (newest.c.id == RepetitionMeasure.comparison_id) & (newest.c.rank == 1))
+        .where(RepetitionMeasure.comparison_id == comparison_id)
         .group_by(RepetitionMeasure.comparison_id, RepetitionMeasure.measure)
     )
-    if measures is not None:
-        drawn = drawn.where(RepetitionMeasure.measure.in_(measures))
-    return drawn.subquery()
+    session.execute(insert(_MEASURES).from_select(_MEASURES.c.keys(), drawn))
 
 
 def _ranked_comparisons(sessions: Sequence[ColumnElement[bool]]) -> Subquery:

@@ -2,7 +2,7 @@
 
 from typing import Any, Final
 
-from sqlalchemy import JSON, Float, ForeignKey, Index, Integer, LargeBinary, String
+from sqlalchemy import JSON, Boolean, Float, ForeignKey, Index, Integer, LargeBinary, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified
@@ -30,7 +30,7 @@ class Comparison(Identified, Base):
 
 
 class RepetitionMeasure(Base):
-    """One measure of one repetition; a row each, so progress can be queried."""
+    """One measure of one repetition."""
 
     __tablename__ = "repetition_measure"
 
@@ -42,6 +42,27 @@ class RepetitionMeasure(Base):
     value: Mapped[float] = mapped_column(Float)
     uncertainty: Mapped[float | None] = mapped_column(Float)
     unit: Mapped[str] = mapped_column(String(12))
+
+
+class ComparisonMeasure(Base):
+    """One measure of a comparison, drawn together over its repetitions when it is stored: what progress reads."""
+
+    __tablename__ = "comparison_measure"
+
+    comparison_id: Mapped[str] = mapped_column(
+        ForeignKey("comparison.id", ondelete="CASCADE"), primary_key=True
+    )
+    measure: Mapped[str] = mapped_column(String(80), primary_key=True)
+    unit: Mapped[str] = mapped_column(String(12))
+    mean: Mapped[float] = mapped_column(Float)
+    mean_square: Mapped[float] = mapped_column(Float)
+    """Mean of the squared values."""
+    repetitions: Mapped[int] = mapped_column(Integer)
+    """Rows that were drawn together; 1 where only all repetitions together have the measure."""
+    is_of_all: Mapped[bool] = mapped_column(Boolean)
+    """Whether only all repetitions together have it, `ALL_REPETITIONS`."""
+    uncertainty: Mapped[float | None] = mapped_column(Float)
+    """The largest of the rows; of all repetitions together, that of the value."""
 
 
 class CourseNote(Identified, Base):

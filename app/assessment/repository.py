@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session, defer
 from app.accounts import audit
 from app.accounts.models import Account
 from app.accounts.subject import Subject
+from app.assessment.measures import store_drawn
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
@@ -268,13 +269,14 @@ def prescribed_version(session: Session, found: MotionSession) -> TemplateVersio
 def add_comparison(
     session: Session, subject: Subject, found: MotionSession, new: Comparison, rows: list[RepetitionMeasure]
 ) -> Comparison:
-    """Store a comparison with a row per repetition and measure."""
+    """Store a comparison with a row per repetition and measure, and one per measure for progress."""
     session.add(new)
     session.flush()
     for row in rows:
         row.comparison_id = new.id
     session.add_all(rows)
     session.flush()
+    store_drawn(session, new.id)
     audit.record(
         session,
         subject,

@@ -27,6 +27,7 @@ from sqlalchemy.orm import Session
 from app import tables as tables
 from app.accounts.models import Account, Clinic
 from app.accounts.subject import Subject
+from app.assessment.measures import store_drawn
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.assessment.progress import progress
 from app.database import migrate
@@ -183,6 +184,8 @@ class Clinics:
                 for repetition in range(1, REPETITIONS + 1)
                 for name in names
             )
+            session.flush()
+            store_drawn(session, comparison.id)
 
     def add_walk(self, days_ago: int, generator: random.Random) -> None:
         """Add a walk of a minute."""

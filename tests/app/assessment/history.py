@@ -2,6 +2,7 @@
 
 from datetime import timedelta
 
+from app.assessment.measures import store_drawn
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import unit_of_work
@@ -125,6 +126,8 @@ class History:
                     unit="rad",
                 )
             )
+        session.flush()
+        store_drawn(session, comparison.id)
         return result.id
 
 

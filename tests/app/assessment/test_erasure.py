@@ -5,7 +5,7 @@ from sqlalchemy import func, select, update
 
 from app.accounts import audit
 from app.accounts.models import Account, AuditEvent, Consent, DeviceToken, SignIn
-from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.models import Comparison, ComparisonMeasure, RepetitionMeasure
 from app.database.base import new_id, utc_now
 from app.database.engine import forget_deleted
 from app.database.unit_of_work import read_only, unit_of_work
@@ -127,8 +127,8 @@ def test_erasing_leaves_nothing_but_the_trail(sign_in, patient, full, engine, se
     answer = administrator.request("DELETE", path, json=ERASE)
     assert answer.status_code == 204, answer.text
     own_data = (
-        Prescription, MotionSession, SignalChunk, SessionEvent, Result, Job, Comparison, RepetitionMeasure, Mounting,
-        Template, TemplateVersion,
+        Prescription, MotionSession, SignalChunk, SessionEvent, Result, Job, Comparison, ComparisonMeasure,
+        RepetitionMeasure, Mounting, Template, TemplateVersion,
     )  # fmt: skip
     assert set(count(engine, *own_data).values()) == {0}
     with read_only(engine) as session:

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.accounts.models import AuditEvent
-from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.models import Comparison, ComparisonMeasure, RepetitionMeasure
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise
 from app.recordings.models import Job, MotionSession
@@ -103,6 +103,10 @@ def test_a_closed_session_is_compared_with_what_was_prescribed(
     assert len(detail["curves"][0]["repetitions"]) == 4
     with read_only(engine) as session:
         rows = session.scalars(select(RepetitionMeasure).where(RepetitionMeasure.measure == MAIN)).all()
+        drawn = session.scalars(select(ComparisonMeasure).where(ComparisonMeasure.measure == MAIN)).one()
+        every = [set(session.scalars(select(one.measure))) for one in (ComparisonMeasure, RepetitionMeasure)]
+    assert every[0] == every[1]
+    assert (drawn.mean, drawn.repetitions, drawn.unit) == (pytest.approx(main["value"]), 4, "deg")
     assert len(rows) == 4
     assert {row.unit for row in rows} == {"deg"}
     assert np.mean([row.value for row in rows]) == pytest.approx(main["value"])
