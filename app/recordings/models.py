@@ -156,6 +156,8 @@ class Result(Identified, Base):
     progress: Mapped[float] = mapped_column(Float, default=0.0)
     message: Mapped[str] = mapped_column(Words, default="")
     completed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    followed: Mapped[list[Any] | None] = mapped_column(JSON(none_as_null=True), deferred=True)
+    """Of a walk, the measures that progress follows, `app.kinds.walk.followed`."""
 
 
 class Job(Identified, Base):

@@ -35,6 +35,8 @@ from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Exercise, Template, TemplateVersion
+from app.kinds.walk.followed import followed_of
+from app.kinds.walk.schemas import WalkContent
 from app.kinds.walk.stored import PIPELINE
 from app.patients.models import Patient
 from app.recordings.models import WALK_STREAM, MotionSession, Result, SignalChunk
@@ -191,7 +193,11 @@ class Clinics:
         """Add a walk of a minute."""
         with unit_of_work(self.engine) as session:
             result = self.add(session, self.walk_id, PIPELINE, days_ago)
-            data = zlib.compress(json.dumps(walk(generator)).encode())
+            content = walk(generator)
+            bare: dict[str, list[Any]] = {"footholds": [], "strides": [], "path_m": [], "curves": []}
+            measured = content | {"feet": [foot | bare for foot in content["feet"]]}
+            result.followed = followed_of(WalkContent.model_validate(measured))
+            data = zlib.compress(json.dumps(content).encode())
             session.add(
                 SignalChunk(
                     session_id=result.session_id,

@@ -18,6 +18,7 @@ from app.errors import Conflict
 from app.exercises.models import Exercise
 from app.kinds.walk.balance import balance_of
 from app.kinds.walk.curves import cycle_curves, force_curves, peak_measures
+from app.kinds.walk.followed import followed_of
 from app.kinds.walk.schemas import (
     FootholdOut,
     FootOut,
@@ -28,7 +29,7 @@ from app.kinds.walk.schemas import (
     WalkTestOut,
 )
 from app.recordings import repository, service
-from app.recordings.models import WALK_STREAM, SignalChunk
+from app.recordings.models import WALK_STREAM, Result, SignalChunk
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.codecs import DamagedChunkError, checksum
 from app.recordings.signals.rows import insert_chunk
@@ -154,10 +155,11 @@ def reasons_of(walk: Walk, shoes: ShoeWalk | None) -> list[str]:
 
 
 def store_walk(session: Session, session_id: str, result_id: str, content: WalkContent) -> None:
-    """Keep the walk of a result."""
+    """Keep the walk of a result, and with the result what progress follows of it."""
     data = zlib.compress(content.model_dump_json().encode(), 6)
     chunk = EncodedChunk(0, len(content.feet), _CODEC, {"version": 1}, checksum(data), data)
     insert_chunk(session, session_id, walk_stream(result_id), 0, chunk)
+    session.get_one(Result, result_id).followed = followed_of(content)
 
 
 def gait(session: Session, subject: Subject, session_id: str, result_id: str | None) -> GaitOut:

@@ -6,7 +6,7 @@ import zlib
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import inspect, text
+from sqlalchemy import inspect, select, text
 from sqlalchemy.exc import DBAPIError
 
 from app.accounts import audit
@@ -18,6 +18,7 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
+from app.recordings.models import Result
 from app.tables import metadata
 
 
@@ -139,6 +140,65 @@ def test_what_was_practised_before_is_filled_in(empty_url):
     }
     migrate.downgrade(url, "0005_second_factor")
     migrate.upgrade(url)
+    engine.dispose()
+
+
+def test_what_progress_reads_is_filled_in(empty_url):
+    """Of comparisons and of more walks than are read at once; a damaged one has none, and nothing else is lost."""
+    url, _ = empty_url
+    migrate.upgrade(url, "0005_second_factor")
+    engine = create_from_url(url)
+    walked = [f"walk {number}" for number in range(120)]
+    ids = {name: new_id() for name in ("compared", "empty", *walked, "walked", "open")}
+
+    def measure(name, value):
+        return {"measure": name, "value": value, "sigma": 0.1, "spread": 0.2, "count": 9, "unit": "m"}
+
+    def walk(number):
+        length = 1.0 + number / 7.0
+        return {
+            "feet": [{"side": "left", "strides": [], "measures": [measure("stride_length", length)]}],
+            "both": [measure("step_width", None), measure("walk_ratio", 0.1 + 0.2)],
+            "asymmetry": [measure("stride_length", -0.01)],
+            "test": {"kind": "timed_up_and_go", "time_s": 11.5},
+            "balance": {"measures": [measure("margin", 0.05)]},
+        }
+
+    walks = {name: walk(number) for number, name in enumerate(walked)} | {"walked": walk(0)}
+    with engine.begin() as connection:
+        for statement, rows in _sessions_of_0005(ids | {"cut": new_id()}, walks):
+            connection.execute(text(statement), rows)
+    with engine.connect() as connection:
+        drawn = connection.execute(
+            text(
+                "SELECT comparison_id, measure, MIN(unit), AVG(value), AVG(value * value), COUNT(*)"
+                " FROM repetition_measure GROUP BY comparison_id, measure ORDER BY comparison_id, measure"
+            )
+        ).all()
+    migrate.upgrade(url)
+    with read_only(engine) as session:
+        rows = session.execute(text("SELECT * FROM comparison_measure ORDER BY comparison_id, measure")).all()
+        kept = dict(session.execute(select(Result.session_id, Result.followed)).all())
+    assert len(drawn) == 6
+    assert [tuple(row)[:6] for row in rows] == [tuple(row) for row in drawn]
+    assert {(row.mean, row.mean_square, row.repetitions, bool(row.is_of_all)) for row in rows} == {
+        (2.75, 7.625, 2, False)
+    }
+    for number, name in enumerate(walked):
+        assert kept[ids[name]] == [
+            ["test_time", "s", 11.5, None, 1],
+            ["stride_length:left", "m", 1.0 + number / 7.0, 0.2, 9],
+            ["uneven:stride_length", "m", -0.01, 0.2, 9],
+            ["walk_ratio", "m", 0.1 + 0.2, 0.2, 9],
+            ["margin", "m", 0.05, 0.2, 9],
+        ]
+    assert sum(1 for rows in kept.values() if rows is not None) == 121, (
+        "neither the damaged one nor other kinds"
+    )
+    migrate.downgrade(url, "0017_attempt_count")
+    migrate.upgrade(url)
+    with read_only(engine) as session:
+        assert dict(session.execute(select(Result.session_id, Result.followed)).all()) == kept
     engine.dispose()
 
 

@@ -1,5 +1,6 @@
 """Walks through the service: a real recording of both feet, one of a single foot, and what is no walk."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -7,9 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.io
-from sqlalchemy import Engine, select
+from alembic.script import ScriptDirectory
+from sqlalchemy import Engine, event, select
 
 from app.accounts.models import AuditEvent
+from app.assessment.walk_progress import walk_values
+from app.database import migrate
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
 from app.ingest.upload import register, upload_folder
@@ -246,3 +250,32 @@ def test_progress_of_walks_has_the_form_of_every_progress(
     assert share["unit"] == "%"
     assert 50.0 < share["points"][0]["value"] < 80.0
     assert all(one["measure"].startswith("walk:") for one in found["measures"])
+    # Walks that were stored before get the very same from their migration.
+    script = ScriptDirectory(str(migrate.SCRIPTS)).get_revision("0019_walk_followed")
+    with read_only(engine) as session:
+        kept = session.execute(select(Result.id, Result.session_id, Result.followed)).all()
+        assert len(kept) == 2
+        for of, session_id, followed in kept:
+            data = session.get_one(SignalChunk, (session_id, walk_stream(of), 0)).data
+            assert json.dumps(script.module._followed(data)) == json.dumps(followed)
+
+
+def test_progress_of_walks_reads_none_of_them(
+    engine: Engine, uploaded: Any, world: Any, tmp_path: Path
+) -> None:
+    gaitmap_csv(tmp_path / "walk.csv")
+    uploaded(tmp_path / "walk.csv", format="gaitmap")
+    said: list[str] = []
+
+    def note(_connection: Any, _cursor: Any, statement: str, *_rest: Any) -> None:
+        said.append(statement)
+
+    event.listen(engine, "before_cursor_execute", note)
+    try:
+        with read_only(engine) as session:
+            values = walk_values(session, world.patient_id)
+    finally:
+        event.remove(engine, "before_cursor_execute", note)
+    assert len(values) > 10
+    assert len([one for one in said if one.startswith("SELECT")]) == 1
+    assert not [one for one in said if "signal_chunk" in one]
