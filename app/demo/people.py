@@ -16,7 +16,7 @@ from app.database import migrate
 from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
-from app.edge.demonstration import HistoryProgress, new_progress
+from app.edge.demonstration import HistoryProgress, complete, new_progress
 from app.exercises.models import Exercise, Posture
 from app.patients.models import Grant, Patient
 from estimators.conventions import Side
@@ -155,12 +155,13 @@ def prepare(url: str, folder: Path) -> HistoryProgress:
     engine = create_from_url(url)
     try:
         if not _is_seeded(engine):
-            seed_people(engine)
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
             new_progress(folder).save()
+            seed_people(engine)
     finally:
         engine.dispose()
-    return HistoryProgress.of(folder) or new_progress(folder)
+    # Where there are people and no progress was noted, an earlier version made them: what was recorded since stays.
+    return HistoryProgress.of(folder) or complete(folder)
 
 
 def _is_seeded(engine: Engine) -> bool:

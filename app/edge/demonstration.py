@@ -73,6 +73,11 @@ def new_progress(folder: Path) -> HistoryProgress:
     return HistoryProgress(folder / NAME, STEPS)
 
 
+def complete(folder: Path) -> HistoryProgress:
+    """Return the progress of a history of which nothing is to be made."""
+    return HistoryProgress(folder / NAME, 0)
+
+
 router = APIRouter(prefix="/api", tags=["service"])
 
 
@@ -93,4 +98,4 @@ def demonstration(request: Request, subject: CurrentSubject) -> HistoryOut | Non
     return HistoryOut(prepared=len(history.done), total=history.total)
 
 
-__all__ = ["NAME", "STEPS", "HistoryProgress", "new_progress", "router"]
+__all__ = ["NAME", "STEPS", "HistoryProgress", "complete", "new_progress", "router"]

@@ -57,7 +57,7 @@ class HelloMessage(Schema):
 
 
 class AcknowledgeMessage(Schema):
-    """Server to gateway: after hello and at least four times a second while packets come."""
+    """Server to gateway: after hello, when something has changed, and otherwise once a second."""
 
     type: Literal["acknowledge"] = "acknowledge"
     session_id: str

@@ -60,8 +60,9 @@ def _after(last: str) -> sa.Select[Any]:
 
 def _followed(data: bytes) -> list[list[Any]] | None:
     try:
-        return _measures(json.loads(zlib.decompress(data)))
-    except (zlib.error, ValueError, KeyError):
+        # What is no number here is none in PostgreSQL either.
+        return _measures(json.loads(zlib.decompress(data), parse_constant=lambda _: None))
+    except (zlib.error, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 

@@ -26,8 +26,8 @@ from app.scaled.wire import subject
 logger = logging.getLogger(__name__)
 
 PERIOD_S: Final = 0.1
-AGAIN_S: Final = 0.03
-"""Who did not answer is asked again so soon."""
+AGAIN_S: Final = 0.05
+"""Who did not answer is asked again so soon; a worker that loses its connection makes another at once."""
 TIMES: Final = 3
 """A worker is gone when so many questions in a row found nobody."""
 ANSWER_S: Final = 0.5

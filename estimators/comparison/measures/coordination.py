@@ -62,7 +62,20 @@ def interjoint_coordination(
 def interjoint_coordinations(
     first_rad: Float, second_rad: Float, rate_hz: float, floor_rad: float
 ) -> list[Coordination | None]:
-    """Return `interjoint_coordination` of several pairs of the same ticks, each of shape (S, N)."""
+    """Return `interjoint_coordination` of several pairs of joints over the same ticks.
+
+    Parameters
+    ----------
+    first_rad, second_rad : ndarray, shape (S, N)
+        A pair a row.
+    rate_hz : float
+    floor_rad : float
+        As of `interjoint_coordination`.
+
+    Returns
+    -------
+    list of Coordination or None
+    """
     samples = first_rad.shape[1]
     if samples < 8:
         return [None] * len(first_rad)
@@ -173,4 +186,10 @@ def multiple_correlation(curves: Float) -> MultipleCorrelation:
     )
 
 
-__all__ = ["Coordination", "MultipleCorrelation", "interjoint_coordination", "multiple_correlation"]
+__all__ = [
+    "Coordination",
+    "MultipleCorrelation",
+    "interjoint_coordination",
+    "interjoint_coordinations",
+    "multiple_correlation",
+]

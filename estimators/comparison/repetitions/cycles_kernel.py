@@ -64,7 +64,7 @@ def turning_points(signal: Float, reversal: float) -> NDArray[np.int64]:  # prag
     reversal : float
         How far it goes back from an extreme before that was a turn.
     """
-    turns = np.zeros(len(signal) + 1, dtype=np.int64)
+    turns = np.zeros(len(signal) + 2, dtype=np.int64)
     count, extreme, direction = 1, 0, 0
     for i in range(1, len(signal)):
         way = signal[i] - signal[extreme]

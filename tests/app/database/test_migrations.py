@@ -149,7 +149,7 @@ def test_what_progress_reads_is_filled_in(empty_url):
     migrate.upgrade(url, "0005_second_factor")
     engine = create_from_url(url)
     walked = [f"walk {number}" for number in range(120)]
-    ids = {name: new_id() for name in ("compared", "empty", *walked, "walked", "open")}
+    ids = {name: new_id() for name in ("compared", "empty", *walked, "walked", "open", "cut")}
 
     def measure(name, value):
         return {"measure": name, "value": value, "sigma": 0.1, "spread": 0.2, "count": 9, "unit": "m"}
@@ -166,8 +166,18 @@ def test_what_progress_reads_is_filled_in(empty_url):
 
     walks = {name: walk(number) for number, name in enumerate(walked)} | {"walked": walk(0)}
     with engine.begin() as connection:
-        for statement, rows in _sessions_of_0005(ids | {"cut": new_id()}, walks):
+        for statement, rows in _sessions_of_0005(ids, walks):
             connection.execute(text(statement), rows)
+    migrate.upgrade(url, "0017_attempt_count")
+    together = "INSERT INTO repetition_measure (comparison_id, repetition, measure, value, uncertainty, unit)"
+    with engine.begin() as connection:
+        compared = connection.execute(text("SELECT MIN(comparison_id) FROM repetition_measure")).scalar_one()
+        connection.execute(text(f"{together} VALUES (:of, 0, 'cmc', 0.5, 0.125, '1')"), {"of": compared})
+        # Whole JSON, but no walk.
+        connection.execute(
+            text("UPDATE signal_chunk SET data = :data WHERE session_id = :of"),
+            {"data": zlib.compress(b'{"feet": null}'), "of": ids["cut"]},
+        )
     with engine.connect() as connection:
         drawn = connection.execute(
             text(
@@ -179,11 +189,12 @@ def test_what_progress_reads_is_filled_in(empty_url):
     with read_only(engine) as session:
         rows = session.execute(text("SELECT * FROM comparison_measure ORDER BY comparison_id, measure")).all()
         kept = dict(session.execute(select(Result.session_id, Result.followed)).all())
-    assert len(drawn) == 6
+    assert len(drawn) == 7
     assert [tuple(row)[:6] for row in rows] == [tuple(row) for row in drawn]
-    assert {(row.mean, row.mean_square, row.repetitions, bool(row.is_of_all)) for row in rows} == {
-        (2.75, 7.625, 2, False)
-    }
+    assert {
+        (row.unit, row.mean, row.mean_square, row.repetitions, bool(row.is_of_all), row.uncertainty)
+        for row in rows
+    } == {("s", 2.75, 7.625, 2, False, None), ("1", 0.5, 0.25, 1, True, 0.125)}
     for number, name in enumerate(walked):
         assert kept[ids[name]] == [
             ["test_time", "s", 11.5, None, 1],

@@ -33,3 +33,9 @@ def test_the_past_is_made_until_it_is_complete(tmp_path: Path) -> None:
     assert companions("http://127.0.0.1:1", 0.0, progress, url, stream=False) == [past]
     progress.total = 0
     assert companions("http://127.0.0.1:1", 0.0, progress, url) == [live]
+
+
+def test_a_clinic_of_an_earlier_version_is_left_as_it_is(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'clinic.db'}"
+    prepare(url, tmp_path).path.unlink()
+    assert prepare(url, tmp_path).is_complete

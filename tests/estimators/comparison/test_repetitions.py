@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from estimators.comparison import Repetition, Trajectory, find_repetitions, judge_repetitions
 from estimators.comparison.repetitions import cycles, home
-from estimators.comparison.repetitions.cycles_kernel import search
+from estimators.comparison.repetitions.cycles_kernel import search, turning_points
 from estimators.comparison.repetitions.home import at_home
 from estimators.errors import ComparisonError, SetupError
 
@@ -184,3 +184,31 @@ def test_work_grows_no_faster_than_the_session(planar, monkeypatch):
     assert work[1] < 11 * work[0]
     # Each walk is as long as the session: their number must not grow with it, or the whole is quadratic.
     assert 0 < walks[1] <= 1.5 * walks[0], walks
+
+
+def turns_of(signal: list[float], reversal: float) -> list[int]:
+    """Where a signal turns, one sample after the other."""
+    turns, extreme, direction = [0], 0, 0
+    for i in range(1, len(signal)):
+        way = signal[i] - signal[extreme]
+        if way * direction > 0 or direction == 0:
+            if direction == 0 and abs(way) > reversal:
+                direction = 1 if way > 0 else -1
+                extreme = i
+            elif direction:
+                extreme = i
+        elif abs(way) > reversal:
+            turns.append(extreme)
+            direction, extreme = -direction, i
+    return [*turns, extreme]
+
+
+def test_turns_are_found_as_one_after_the_other() -> None:
+    random = np.random.default_rng(11)
+    for size in (1, 2, 3, 50, 400, 400, 400):
+        signal = np.cumsum(random.normal(size=size))
+        assert turning_points(signal, 1.5).tolist() == turns_of(signal.tolist(), 1.5)
+    steps = np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0])
+    assert turning_points(steps, 0.5).tolist() == turns_of(steps.tolist(), 0.5) == [0, 2, 4, 6]
+    assert turning_points(np.zeros(9), 0.5).tolist() == [0, 0]
+    assert turning_points(np.zeros(0), 0.5).tolist() == [0, 0]
