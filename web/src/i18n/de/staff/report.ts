@@ -76,7 +76,7 @@ export const report: Translated<typeof english> = {
     other: '{count} von {of} Kurven verlassen das Band.',
   },
   'report.curvesHelp':
-    'Jede Wiederholung ist zeitlich an die Vorlage angepasst: 0 % ist der Beginn der Bewegung, 100 % die Rückkehr. Neben jedem Namen: die Segmente und die Rotationsreihenfolge des Winkels.',
+    'Jede Wiederholung ist zeitlich an die Vorlage angepasst: 0\u00a0% ist der Beginn der Bewegung, 100\u00a0% die Rückkehr. Neben jedem Namen: die Segmente und die Rotationsreihenfolge des Winkels.',
   'report.phaseLabel': '{label} über die Phasen der Bewegung; bewegt wird zwischen {low} und {high}',
   'report.progressLabel': '{label} über {count} Sitzungen, von {first} bis {last}',
   'report.noCalibration': 'Nicht kalibriert',

@@ -73,7 +73,7 @@ export const report = {
     other: '{count} of {of} curves leave the band.',
   },
   'report.curvesHelp':
-    'Each repetition is aligned in time with the template: 0 % is the start of the movement, 100 % the return. Beside each name: the segments and the rotation sequence of the angle.',
+    'Each repetition is aligned in time with the template: 0\u00a0% is the start of the movement, 100\u00a0% the return. Beside each name: the segments and the rotation sequence of the angle.',
   'report.phaseLabel': '{label} over the phases of the movement; the patient moves between {low} and {high}',
   'report.progressLabel': '{label} over {count} sessions, from {first} to {last}',
   'report.noCalibration': 'Not calibrated',
