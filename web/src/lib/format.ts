@@ -95,12 +95,14 @@ export function bodyLength(metres: number | null | undefined): string {
   return `${number(tenths / 10, tenths % 10 === 0 ? 0 : 1)} cm`;
 }
 
-/** A value with its uncertainty, e.g. `87° ± 3`; without one only the value. */
+/** A value with its uncertainty, e.g. `87° ± 3`; without one only the value. A small one has a digit more, not ± 0. */
 export function uncertain(value: number | null, uncertainty: number | null, unit: string): string {
   const text = quantity(value, unit);
   if (value === null || uncertainty === null || !Number.isFinite(uncertainty)) return text;
   const shown = displayUnit(unit);
-  return `${text} ± ${number(uncertainty * shown.factor, shown.digits)}`;
+  const size = Math.abs(uncertainty * shown.factor);
+  const needsDigit = size < 0.5 * 10 ** -shown.digits && size >= 0.05 * 10 ** -shown.digits;
+  return `${text} ± ${number(size, shown.digits + (needsDigit ? 1 : 0))}`;
 }
 
 const DAY_MS = 86_400_000;

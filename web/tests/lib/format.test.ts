@@ -31,6 +31,9 @@ describe('numbers', () => {
   it('puts the uncertainty in the same unit', () => {
     expect(uncertain(Math.PI / 2, Math.PI / 60, 'rad')).toBe('90° ± 3');
     expect(uncertain(1.5, null, 's')).toBe('1.5 s');
+    expect(uncertain(1.5, 0.02, 's')).toBe('1.5 s ± 0.02');
+    expect(uncertain(8, 0.4, '%')).toBe('8 % ± 0.4');
+    expect(uncertain(8, 0, '%')).toBe('8 % ± 0');
   });
   it('keeps a unit it does not know', () => {
     expect(quantity(3, 'N')).toBe('3.00 N');
