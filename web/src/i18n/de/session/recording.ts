@@ -280,6 +280,7 @@ export const session: Translated<typeof english> = {
     other: '{count} Abschnitte außerhalb des Bandes',
   },
   'compare.stretch': 'Wiederholung {number}: {from} bis {until} %',
+  'compare.stretchStride': 'Doppelschritt {number}: {from} bis {until} %',
   'compare.moreCurves': 'Alle Kurven anzeigen',
   'compare.fewerCurves': 'Weniger Kurven anzeigen',
   'compare.sum': 'Gewichtete Summe',

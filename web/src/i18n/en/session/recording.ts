@@ -271,6 +271,7 @@ export const session = {
   'compare.inside': 'Within the band throughout.',
   'compare.outsideCount': { one: '{count} stretch outside the band', other: '{count} stretches outside the band' },
   'compare.stretch': 'Repetition {number}: {from} to {until} %',
+  'compare.stretchStride': 'Stride {number}: {from} to {until} %',
   'compare.moreCurves': 'Show all curves',
   'compare.fewerCurves': 'Show fewer curves',
   'compare.sum': 'Weighted sum',

@@ -203,7 +203,11 @@ function Curve({
                   variant="default"
                   onClick={() => onPhase(one.repetition, (one.from + one.until - 1) / 2)}
                 >
-                  {t('compare.stretch', { number: one.number, from: one.from, until: one.until - 1 })}
+                  {t(isOfStrides(comparison) ? 'compare.stretchStride' : 'compare.stretch', {
+                    number: one.number,
+                    from: one.from,
+                    until: one.until - 1,
+                  })}
                 </Button>
               </li>
             ))}
