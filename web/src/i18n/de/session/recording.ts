@@ -250,6 +250,9 @@ export const session: Translated<typeof english> = {
   'repetition.partial': 'nicht weit genug',
   'repetition.table': 'Nach Wiederholung',
   'repetition.mean': { one: '{count} Wiederholung', other: 'Mittel aus {count}' },
+  'repetition.parts': 'Gezeigte Maße',
+  'repetition.partMain': 'Hauptmaße',
+  'repetition.partMovement': 'Weg und Bewegungsfluss',
   'repetition.tableHelp':
     'Nach ±: eine Standardabweichung; in jeder Zeile die der Schätzung, beim Mittel die zwischen den Zeilen.',
 

@@ -244,6 +244,9 @@ export const session = {
   'repetition.partial': 'not far enough',
   'repetition.table': 'By repetition',
   'repetition.mean': { one: '{count} repetition', other: 'Mean of {count}' },
+  'repetition.parts': 'Measures shown',
+  'repetition.partMain': 'Main measures',
+  'repetition.partMovement': 'Path and smoothness',
   'repetition.tableHelp':
     'After ±: one standard deviation; of the estimate in each line, between the lines for the mean.',
 

@@ -1,9 +1,13 @@
-import { Button } from '@mantine/core';
+import { Button, SegmentedControl } from '@mantine/core';
+import { Fragment, useState } from 'react';
 import measures from '../../../api/measures.json';
 import type { ComparisonDetail, MeasureValue } from '../../../api/types';
 import { t } from '../../../i18n';
 import { isOfStrides, primaryChannel } from '../../../lib/assessment/comparison';
 import { quantity, uncertain } from '../../../lib/format';
+
+/** So many columns have room beside each other on a tablet. */
+const MOST_BESIDE = 7;
 
 /** The main measures of a repetition; a beginning of names gives one of them, or two kinds of compensation. */
 function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
@@ -18,6 +22,28 @@ function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
   });
 }
 
+type Part = 'main' | 'movement';
+
+/** What a column is of: what a therapist asks first, or how the hand went there. */
+const partOf = (column: MeasureValue): Part =>
+  ['smoothness', 'coordination', 'path'].includes(column.group) ? 'movement' : 'main';
+
+/** A value with its spread, which may go on below where the column is narrow. */
+function Value({ of }: { of: MeasureValue | undefined }) {
+  const [value, spread] = of ? uncertain(of.value ?? null, of.uncertainty ?? null, of.unit).split(' ± ') : ['–'];
+  return (
+    <span>
+      <span className="number">{value}</span>
+      {spread !== undefined && (
+        <>
+          {' '}
+          <span className="number">± {spread}</span>
+        </>
+      )}
+    </span>
+  );
+}
+
 /** One line a repetition: each number with its unit and uncertainty, and last the summary with its count. */
 export function RepetitionTable({
   comparison,
@@ -30,10 +56,26 @@ export function RepetitionTable({
 }) {
   const columns = columnsOf(comparison.summary);
   const areStrides = isOfStrides(comparison);
+  // Where all columns have no room beside each other, a switch shows one part of them: nobody scrolls to the side.
+  const [part, setPart] = useState<Part>('main');
+  const hasParts = columns.length > MOST_BESIDE && new Set(columns.map(partOf)).size > 1;
+  const inPart = (column: MeasureValue) => (hasParts && partOf(column) !== part ? 'column-folded' : '');
   return (
     <section className="card" aria-labelledby="by-repetition">
       <div className="card-head">
         <h2 id="by-repetition">{t(areStrides ? 'repetition.tableStrides' : 'repetition.table')}</h2>
+        {hasParts && (
+          <SegmentedControl
+            className="end column-parts"
+            aria-label={t('repetition.parts')}
+            value={part}
+            onChange={(value) => setPart(value as Part)}
+            data={[
+              { value: 'main', label: t('repetition.partMain') },
+              { value: 'movement', label: t('repetition.partMovement') },
+            ]}
+          />
+        )}
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll" role="group" aria-labelledby="by-repetition" tabIndex={0}>
@@ -42,46 +84,50 @@ export function RepetitionTable({
             <tr>
               <th scope="col">{t(areStrides ? 'repetition.oneStride' : 'repetition.one')}</th>
               {columns.map((column) => (
-                <th scope="col" key={column.measure}>
+                <th scope="col" key={column.measure} className={inPart(column)}>
                   {column.label}
                 </th>
               ))}
             </tr>
           </thead>
           <tbody>
-            {comparison.repetitions.map((one, index) => (
-              <tr
-                key={one.repetition.number}
-                className={`${one.repetition.is_kept ? '' : 'row-left-out'} ${selected === index ? 'row-selected' : ''}`}
-              >
-                <th scope="row">
-                  <Button
-                    size="compact-md"
-                    variant={selected === index ? 'filled' : 'default'}
-                    onClick={() => onSelect(index)}
-                    aria-label={t(areStrides ? 'repetition.showStride' : 'repetition.show', {
-                      number: one.repetition.number,
-                    })}
-                  >
-                    {one.repetition.number}
-                  </Button>
-                  {!one.repetition.is_kept && (
-                    <span className="muted small"> {one.repetition.reason || t('repetition.leftOut')}</span>
+            {comparison.repetitions.map((one, index) => {
+              const said = [
+                ...(one.repetition.is_kept ? [] : [one.repetition.reason || t('repetition.leftOut')]),
+                ...(one.repetition.counted === 'partial' ? [t('repetition.partial')] : []),
+              ].join(' · ');
+              const look = `${one.repetition.is_kept ? '' : 'row-left-out'} ${selected === index ? 'row-selected' : ''}`;
+              return (
+                <Fragment key={one.repetition.number}>
+                  <tr className={`${look} ${said ? 'row-explained' : ''}`}>
+                    <th scope="row">
+                      <Button
+                        size="compact-md"
+                        variant={selected === index ? 'filled' : 'default'}
+                        onClick={() => onSelect(index)}
+                        aria-label={t(areStrides ? 'repetition.showStride' : 'repetition.show', {
+                          number: one.repetition.number,
+                        })}
+                      >
+                        {one.repetition.number}
+                      </Button>
+                    </th>
+                    {columns.map((column) => (
+                      <td className={inPart(column)} key={column.measure} data-label={column.label}>
+                        <Value of={one.measures.find((measure) => measure.measure === column.measure)} />
+                      </td>
+                    ))}
+                  </tr>
+                  {said && (
+                    <tr className={look}>
+                      <td className="row-said small" colSpan={1 + columns.filter((column) => !inPart(column)).length}>
+                        {said}
+                      </td>
+                    </tr>
                   )}
-                  {one.repetition.counted === 'partial' && (
-                    <span className="muted small"> {t('repetition.partial')}</span>
-                  )}
-                </th>
-                {columns.map((column) => {
-                  const value = one.measures.find((measure) => measure.measure === column.measure);
-                  return (
-                    <td className="number" key={column.measure} data-label={column.label}>
-                      {value ? uncertain(value.value ?? null, value.uncertainty ?? null, value.unit) : '–'}
-                    </td>
-                  );
-                })}
-              </tr>
-            ))}
+                </Fragment>
+              );
+            })}
           </tbody>
           <tfoot>
             <tr>
@@ -89,15 +135,15 @@ export function RepetitionTable({
                 {t(areStrides ? 'repetition.meanStrides' : 'repetition.mean', { count: comparison.repetition_count })}
               </th>
               {columns.map((column) => (
-                <td className="number strong" key={column.measure} data-label={column.label}>
-                  {uncertain(column.value ?? null, column.uncertainty ?? null, column.unit)}
+                <td className={`strong ${inPart(column)}`} key={column.measure} data-label={column.label}>
+                  <Value of={column} />
                 </td>
               ))}
             </tr>
             <tr>
               <th scope="row">{t('compare.template')}</th>
               {columns.map((column) => (
-                <td className="number muted" key={column.measure} data-label={column.label}>
+                <td className={`number muted ${inPart(column)}`} key={column.measure} data-label={column.label}>
                   {quantity(column.template_value, column.unit)}
                 </td>
               ))}
