@@ -258,7 +258,7 @@ def test_packets_that_share_a_turn_with_the_goodbye_are_not_asked_for(
         waiting = len(manager.live(intake.session_id).lane._taken)  # type: ignore[union-attr]
         asked = []
         for _ in range(3):
-            intake._reviewed_s -= 0.4
+            intake._acknowledgements._reviewed_s -= 0.4
             asked += intake.acknowledge().missing
             # What is asked for is cut at the highest that is stored.
             asked += list(manager.live(intake.session_id).now.ledger._asked_s)
