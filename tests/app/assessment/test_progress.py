@@ -7,19 +7,11 @@ from datetime import UTC, timedelta
 
 import numpy as np
 import pytest
-from sqlalchemy import delete, event, func, select
 
 from app.assessment import caseload
-from app.assessment.measures import (
-    change,
-    minimal_detectable_change,
-    session_changes,
-    session_values,
-    store_drawn,
-)
-from app.assessment.models import ALL_REPETITIONS, Comparison, ComparisonMeasure, RepetitionMeasure
+from app.assessment.measures import change, minimal_detectable_change, session_changes, session_values
 from app.assessment.practice import Done, adherence
-from app.assessment.progress import dose, progress
+from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription
@@ -45,77 +37,6 @@ def test_a_session_is_mean_spread_and_count(history):
     assert value.mean == pytest.approx(np.mean(repetitions))
     assert value.spread == pytest.approx(np.std(repetitions, ddof=1))
     assert (value.count, value.unit) == (4, "rad")
-
-
-def test_what_is_stored_is_what_the_repetitions_give(history):
-    """To the last bit, of repetitions and of what only all of them together have."""
-    generator = np.random.default_rng(2)
-    for age, count in enumerate((1, 2, 3, 7, 60), start=1):
-        history.session(age, generator.normal(40.0, 9.0, count).tolist())
-    with unit_of_work(history.engine) as session:
-        comparison = session.scalars(select(Comparison).where(Comparison.repetition_count == 7)).one()
-        session.add(
-            RepetitionMeasure(
-                comparison_id=comparison.id,
-                repetition=ALL_REPETITIONS,
-                measure="multiple_correlation:x",
-                value=0.9,
-                uncertainty=0.03,
-                unit="1",
-            )
-        )
-        session.execute(delete(ComparisonMeasure).where(ComparisonMeasure.comparison_id == comparison.id))
-        session.flush()
-        store_drawn(session, comparison.id)
-    with read_only(history.engine) as session:
-        rows = session.execute(
-            select(
-                Comparison.session_id,
-                RepetitionMeasure.measure,
-                func.avg(RepetitionMeasure.value),
-                func.avg(RepetitionMeasure.value * RepetitionMeasure.value),
-                func.count(),
-            )
-            .join(Comparison, Comparison.id == RepetitionMeasure.comparison_id)
-            .group_by(Comparison.session_id, RepetitionMeasure.measure)
-        ).all()
-    expected = {
-        (of, name): (mean, math.sqrt(max(0.0, square - mean * mean) * n / (n - 1)) if n > 1 else None, n)
-        for of, name, mean, square, n in rows
-    }
-    expected[comparison.session_id, "multiple_correlation:x"] = (0.9, 0.03, 7)
-    found = {(one.session_id, one.measure): (one.mean, one.spread, one.count) for one in values_of(history)}
-    assert found == expected
-
-
-def test_progress_reads_a_row_a_measure_whatever_was_repeated(history, world):
-    """And no more statements for more sessions."""
-    said, rows = [], []
-
-    def note(_connection, cursor, statement, *_rest):
-        said.append(statement)
-
-    def read():
-        said.clear()
-        with unit_of_work(history.engine) as session:
-            progress(session, world.subjects["therapist"], world.patient_id, world.exercise_id)
-        rows.append([one for one in said if "comparison_measure" in one])
-        assert not [one for one in said if "repetition_measure" in one]
-        return len(said)
-
-    event.listen(history.engine, "before_cursor_execute", note)
-    try:
-        history.session(30, [1.0, 1.1])
-        few = read()
-        for age in range(1, 20):
-            history.session(age, [1.0, 1.1, 1.2])
-        assert read() == few
-    finally:
-        event.remove(history.engine, "before_cursor_execute", note)
-    assert [len(one) for one in rows] == [1, 1]
-    with read_only(history.engine) as session:
-        assert session.scalar(select(func.count()).select_from(ComparisonMeasure)) == 20
-        assert session.scalar(select(func.count()).select_from(RepetitionMeasure)) == 59
 
 
 def test_detectable_change_follows_its_formula(history):

@@ -149,7 +149,7 @@ def test_what_progress_reads_is_filled_in(empty_url):
     migrate.upgrade(url, "0005_second_factor")
     engine = create_from_url(url)
     walked = [f"walk {number}" for number in range(120)]
-    ids = {name: new_id() for name in ("compared", "empty", *walked, "walked", "open", "cut")}
+    ids = {name: new_id() for name in ("compared", "empty", *walked, "walked", "open", "cut", "shapeless")}
 
     def measure(name, value):
         return {"measure": name, "value": value, "sigma": 0.1, "spread": 0.2, "count": 9, "unit": "m"}
@@ -164,7 +164,10 @@ def test_what_progress_reads_is_filled_in(empty_url):
             "balance": {"measures": [measure("margin", 0.05)]},
         }
 
-    walks = {name: walk(number) for number, name in enumerate(walked)} | {"walked": walk(0)}
+    walks = {name: walk(number) for number, name in enumerate(walked)} | {
+        "walked": walk(0),
+        "shapeless": walk(0),
+    }
     with engine.begin() as connection:
         for statement, rows in _sessions_of_0005(ids, walks):
             connection.execute(text(statement), rows)
@@ -176,7 +179,7 @@ def test_what_progress_reads_is_filled_in(empty_url):
         # Whole JSON, but no walk.
         connection.execute(
             text("UPDATE signal_chunk SET data = :data WHERE session_id = :of"),
-            {"data": zlib.compress(b'{"feet": null}'), "of": ids["cut"]},
+            {"data": zlib.compress(b'{"feet": null}'), "of": ids["shapeless"]},
         )
     with engine.connect() as connection:
         drawn = connection.execute(
@@ -204,7 +207,7 @@ def test_what_progress_reads_is_filled_in(empty_url):
             ["margin", "m", 0.05, 0.2, 9],
         ]
     assert sum(1 for rows in kept.values() if rows is not None) == 121, (
-        "neither the damaged one nor other kinds"
+        "neither the damaged ones nor other kinds"
     )
     migrate.downgrade(url, "0017_attempt_count")
     migrate.upgrade(url)
