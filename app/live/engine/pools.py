@@ -138,6 +138,12 @@ class SessionPool:
         """File descriptor that can be read once what `ask` asked for is done; None where a pool has no thread."""
         return None if self._thread is None else self._thread.answers
 
+    @property
+    def has_answered(self) -> bool:
+        """Whether what `ask` asked for is done; only while something is asked for."""
+        assert self._thread is not None
+        return self._thread.has_answered
+
     def fill(self, slots: Sequence[int], offsets: Sequence[int], lengths: Sequence[int]) -> None:
         """Note which packets are to be taken next, up to `ITEMS`, in the order in which they came.
 

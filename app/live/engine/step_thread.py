@@ -6,6 +6,7 @@ and estimates what the request names, and answers at another pipe, which the eve
 reads and writes sockets.
 """
 
+import contextlib
 import ctypes
 import os
 import select
@@ -26,8 +27,11 @@ from estimators.pipelines.arm.pooled_kernel import ROWS, TABLES, WORK, step_arms
 from estimators.pipelines.arm.rows import ArmRows, ArmTables, ArmWork
 from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
 
-COUNT, JOURNAL, FRAME_ROWS, REQUESTS, ANSWERS = range(5)
-"""Places of what a request says: packets, which journal holds them, rows of frames a session has; and of the pipes."""
+COUNT, JOURNAL, FRAME_ROWS, REQUESTS, ANSWERS, IS_ANSWERED = range(6)
+"""Places of what a request says: packets, which journal holds them, rows of frames a session has; of the pipes, and
+whether there is an answer."""
+GIVES_WAY: Final = 5
+"""Added to the niceness of the threads, which thereby weigh a third of the event loop's where cores are scarce."""
 Take = Callable[[NDArray[np.int64], NDArray[np.uint8]], None]
 """Takes what is asked for, as `take_arms` does with a pool's arrays."""
 _libc: Final = ctypes.PyDLL(None)
@@ -105,13 +109,14 @@ def take_arms(
         step_arms(stretches, count, placed.signals, placed.quality, r, tables, work, columns)
         if request[REQUESTS] < 0:
             return
+        request[IS_ANSWERED] = 1
         while _write(np.int32(request[ANSWERS]), byte.ctypes, np.uintp(1)) < 0:
             pass
 
 
 def asked(count: int, journal: int, frame_rows: int) -> NDArray[np.int64]:
     """Return a request without pipes: the first `count` items, from a journal (0 or 1)."""
-    return np.array([count, journal, frame_rows, -1, -1])
+    return np.array([count, journal, frame_rows, -1, -1, 0])
 
 
 class StepThread:
@@ -127,7 +132,8 @@ class StepThread:
         requests, self._asking = os.pipe()
         self.answers, answering = os.pipe()
         """File descriptor that can be read once there is an answer."""
-        self._request = np.array([0, 0, 0, requests, answering])
+        self._request = np.array([0, 0, 0, requests, answering, 0])
+        self._said = self._request.data
         os.set_blocking(self.answers, False)
         self._poll = select.poll()
         self._poll.register(self.answers, select.POLLIN)
@@ -143,9 +149,15 @@ class StepThread:
         )
         self._thread.start()
 
+    @property
+    def has_answered(self) -> bool:
+        """Whether `wait` will return at once; costs no system call."""
+        return self._said[IS_ANSWERED] != 0
+
     def ask(self, count: int, journal: int, frame_rows: int) -> None:
         """Let the first `count` items be taken from a journal (0 or 1)."""
         self._request[:REQUESTS] = count, journal, frame_rows
+        self._said[IS_ANSWERED] = 0
         if _libc.write(self._asking, self._byte, 1) != 1:
             raise BrokenPipeError("a pool's thread has ended")
 
@@ -165,9 +177,21 @@ class StepThread:
         self._close_answers()
 
 
+def _give_way() -> None:
+    """Let the event loop go first where both want a core: it holds the interpreter's lock when it asks.
+
+    Woken with equal rights this thread would take the loop's core at the asking, and everything else would wait for it.
+    """
+    own = threading.get_native_id()
+    # Only Linux ranks single threads; elsewhere all stay equal.
+    with contextlib.suppress(OSError, AttributeError):
+        os.setpriority(os.PRIO_PROCESS, own, os.getpriority(os.PRIO_PROCESS, own) + GIVES_WAY)
+
+
 def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> None:
     requests, answering = int(request[REQUESTS]), int(request[ANSWERS])
     byte = np.zeros(1, dtype=np.uint8)
+    _give_way()
     try:
         while True:
             try:
@@ -175,6 +199,7 @@ def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> N
                 return
             except Exception as error:
                 errors.append(error)
+                request[IS_ANSWERED] = 1
                 os.write(answering, b"\1")
     finally:
         os.close(requests)

@@ -111,6 +111,8 @@ class PooledEngine:
             self._journals[self._filling].add(sender, data, key, arrival_s, arrival_ns)
         if self._timer is None:
             self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.begin)
+        if self._open:
+            self._end_answered()
 
     def turn(self) -> None:
         """Give all packets that wait to their sessions."""
@@ -219,7 +221,11 @@ class PooledEngine:
                 pooled[pool].append((one, lane))
             else:
                 pooled[pool] = [(one, lane)]
+        order = {lane: number for number, lane in enumerate(places)}
         for pool, items in pooled.items():
+            if len(items) > ITEMS:
+                # The packets of a session one after the other, while the caches hold what they move on.
+                items.sort(key=lambda item: order[item[1]])
             parts = [items[start : start + ITEMS] for start in range(0, len(items), ITEMS)]
             self._take_parts(pool, parts)
         for one in general:
@@ -279,6 +285,17 @@ class PooledEngine:
         for part in self._open:
             if part[0] is pool:
                 self._end(part)
+                return
+
+    def _end_answered(self) -> None:
+        """End a part whose thread is done: where very many sockets are read it is long until the loop sees its pipe."""
+        for part in self._open:
+            if part[0].has_answered:
+                try:
+                    self._end(part)
+                except Exception:
+                    # Whoever has just sent something has nothing to do with it.
+                    logger.exception("a part of a turn could not be ended")
                 return
 
     def _end(self, part: _Part) -> None:

@@ -14,6 +14,7 @@ from sqlalchemy import Engine
 
 from app.live.engine import turns
 from app.live.engine.lane import Lane
+from app.live.engine.pools import SessionPool
 from app.live.engine.step_thread import StepThread
 from app.live.manager import LiveManager
 from tests.app.live.engine.both_ways import offer
@@ -29,6 +30,12 @@ def asked(by_thread: list[int], monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Let a thread take every packet; how many it was asked for each time."""
     monkeypatch.setattr(turns, "ASKED", 1)
     return by_thread
+
+
+@pytest.fixture
+def unseen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let whoever offers a packet see no answer, however fast the threads are."""
+    monkeypatch.setattr(SessionPool, "has_answered", False)
 
 
 async def begun(manager: LiveManager, world: Any, engine: Engine) -> tuple[Pair, list[bytes]]:
@@ -247,7 +254,7 @@ def test_a_session_that_ends_waits_for_its_own_packets_alone(
 
 
 def test_the_loop_waits_for_no_thread_to_begin_a_turn_and_none_is_forgotten(
-    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: None
 ) -> None:
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
@@ -293,7 +300,12 @@ def test_who_waits_between_turns_waits_a_moment_where_there_is_no_such_time(
 
 
 def test_a_turn_whose_failure_fails_too_is_followed_by_the_next(
-    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+    manager: LiveManager,
+    world: Any,
+    engine: Engine,
+    asked: list[int],
+    unseen: None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
