@@ -65,12 +65,14 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     made: ClassVar[list["Kernel"]] = []
     """Every kernel with a signature, in the order of the imports: what it calls stands before it."""
+    signature: Any = None
+    """The declared one, or a list of them; None where it is left to the callers."""
     _declared: Any = None
     _is_cached = False
 
     def declare(self, signature: Any) -> None:
         """Set the signature; None leaves it to the callers."""
-        self._declared = signature
+        self.signature = self._declared = signature
         if signature is not None:
             self.made.append(self)
 

@@ -19,6 +19,7 @@ from app.live.bus import Bus, topic
 from app.live.engine.lane import Lane
 from app.live.engine.shared import Shared
 from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.opening import is_to_be_guided
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience
@@ -304,6 +305,10 @@ class LiveManager(SteeredSide):
     async def _prepared(self, session_id: str, setup: SessionSetup) -> None:
         try:
             await self._readiness.require(setup)
+            if not self._readiness.is_guiding and await asyncio.to_thread(
+                is_to_be_guided, self.engine, session_id, self._opener.place.time_zone
+            ):
+                await self._readiness.require_guidance()
         except Unavailable:
             self._send_away(session_id, PREPARING)
             raise

@@ -26,8 +26,10 @@ from app.recordings.analysis.kinds import kinds
 from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
+from estimators.guidance.live import Following
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
+from estimators.pipelines.arm.pool import CALLED
 
 logger = logging.getLogger(__name__)
 
@@ -44,12 +46,14 @@ Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""
 ENGINE: Final = "engine"
 FIRST: Final[Kind] = (ArmPipeline.name, DEFAULT)
+GUIDANCE: Final[Kind] = ("guidance", DEFAULT)
+"""What a session needs besides where a prescription guides it: compiled apart, half a minute of it is nobody else's."""
 
 
 def usual() -> list[Kind]:
-    """Return what is made ready at the start: arms, then the kinds that have a filter of their own."""
+    """Return what is made ready at the start: arms, their guidance, then the kinds that have a filter of their own."""
     own = [name for name, kind in pipelines.available().items() if not kind.takes_estimator]
-    return [FIRST, *((name, DEFAULT) for name in own)]
+    return [FIRST, GUIDANCE, *((name, DEFAULT) for name in own)]
 
 
 def code_of(setup: SessionSetup) -> Kind:
@@ -63,6 +67,9 @@ def warm_up(kind: Kind) -> None:
 
     A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
+    if kind == GUIDANCE:
+        Following.prepare()
+        return
     pipeline, orientation = kind
     kinds()[pipeline].warm_up(orientation)
     prepare_engine()
@@ -70,7 +77,8 @@ def warm_up(kind: Kind) -> None:
 
 def prepare_engine() -> None:
     """Make ready what takes the packets of many sessions together."""
-    for kernel in (take_arms, place, unpack, unmask, write_blocks):
+    # The filter last: it takes longest, and whoever warms up a pipeline meanwhile begins with it.
+    for kernel in (take_arms, place, unpack, unmask, write_blocks, *CALLED[::-1]):
         cast(Kernel, kernel).prepare()
 
 
@@ -144,13 +152,28 @@ class Readiness:
         Unavailable
             That takes longer than a moment; it goes on meanwhile.
         """
-        done, _ = await asyncio.wait([self._of(code_of(setup))], timeout=PATIENCE_S)
+        await self._require(code_of(setup))
+
+    async def require_guidance(self) -> None:
+        """Return when a session can be guided; raises as `require`."""
+        await self._require(GUIDANCE)
+
+    async def _require(self, kind: Kind) -> None:
+        done, _ = await asyncio.wait([self._of(kind)], timeout=PATIENCE_S)
         if not done:
             raise Unavailable(PREPARING, retry_after_s=2, reason="preparing")
 
     def is_ready(self, setup: SessionSetup) -> bool:
         """Say whether a session with this setup can be opened at once, as far as is known."""
-        task = self._kinds.get(code_of(setup))
+        return self._is_ready(code_of(setup))
+
+    @property
+    def is_guiding(self) -> bool:
+        """Whether sessions can be guided at once, as far as is known."""
+        return self._is_ready(GUIDANCE)
+
+    def _is_ready(self, kind: Kind) -> bool:
+        task = self._kinds.get(kind)
         return task is not None and task.done()
 
     async def _one_by_one(self, others_after_s: float) -> None:

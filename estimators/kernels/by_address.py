@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
+from numba.core import cgutils, sigutils
 from numba.extending import intrinsic
 
 from estimators.compiling import Kernel
@@ -27,29 +27,30 @@ def address_of(kernel: Callable[..., Any]) -> int:
     return address
 
 
-def caller(signature: Any) -> Callable[..., Any]:
-    """Return what compiled code calls with an address, and a tuple of arguments, for a kernel of this signature.
+def caller(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what compiled code calls with the address of a kernel with one signature, and a tuple of its arguments.
 
     Parameters
     ----------
-    signature : numba signature
-        As the kernel has it; arguments are converted as in any other call.
+    kernel : callable
+        It is neither compiled nor loaded by this; arguments are converted as in any other call of it.
 
     Returns
     -------
     callable
         `call(address, arguments)`, to be used in kernels only.
     """
-    given, found = types.Tuple(signature.args), signature.return_type
+    args, found = sigutils.normalize_signature(cast(Kernel, kernel).signature)
+    given = types.Tuple(args)
 
     @intrinsic  # type: ignore[untyped-decorator]
     def call(_: Any, address: Any, arguments: Any) -> Any:
         def generate(context: Any, builder: Any, typed: Any, values: Any) -> Any:
             convention = context.call_conv
-            function = convention.get_function_type(found, signature.args)
+            function = convention.get_function_type(found, args)
             pointer = builder.inttoptr(values[0], ir.PointerType(function))
             status, result = convention.call_function(
-                builder, pointer, found, signature.args, cgutils.unpack_tuple(builder, values[1])
+                builder, pointer, found, args, cgutils.unpack_tuple(builder, values[1])
             )
             with cgutils.if_unlikely(builder, status.is_error):
                 convention.return_status_propagate(builder, status)

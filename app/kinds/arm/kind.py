@@ -11,7 +11,6 @@ from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
-from estimators.guidance.live import Following
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
 
@@ -37,8 +36,7 @@ class ArmKind(SessionKind):
         return replace(found, pose_s=pose_s if setup.calibration is not None else None, learnt=pieces.learnt)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:
-        """Stand in the pose, be calibrated, and go on, as somebody who follows a template does."""
-        Following.prepare()
+        """Stand in the pose, be calibrated, and go on."""
         setup = SessionSetup(self.pipeline.name, PLACEMENTS, 100.0, orientation=orientation)
         calibrate_still(pipelines.create(setup), len(PLACEMENTS))
 

@@ -21,6 +21,22 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
+def is_to_be_guided(engine: Engine, session_id: str, default_zone: str) -> bool:
+    """Say whether a session is of a prescription that guides it; blocks.
+
+    Parameters
+    ----------
+    engine : Engine
+    session_id : str
+    default_zone : str
+        As of `guide_session`.
+    """
+    try:
+        return read_guidance(engine, session_id, default_zone) is not None
+    except (NotGuided, EstimationError):
+        return False
+
+
 def guide_session(
     session: "LiveSession", engine: Engine, bus: Bus, default_zone: str, streamed: "Streamed | None" = None
 ) -> None:

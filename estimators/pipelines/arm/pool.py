@@ -1,13 +1,18 @@
 """A pool of live arm sessions: pipelines whose arrays are views of its rows, and one step for all of them."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.arm._kernel import evaluate_kernel
+from estimators.balance.mass_centre._worn_kernel import mass_centre
+from estimators.kernels.by_address import address_of
 from estimators.kernels.slots import into_row
+from estimators.leg._kernel import leg_kernel
 from estimators.orientation.telemotion import TelemotionEstimator
+from estimators.orientation.telemotion._kernel import run
 from estimators.pipelines._contract import Frames, Pipeline
 from estimators.pipelines.arm.pipeline import ArmPipeline
 from estimators.pipelines.arm.pooled_kernel import step_arms
@@ -15,6 +20,8 @@ from estimators.pipelines.arm.rows import ArmRows, ArmTables, ArmWork, arm_rows,
 from estimators.pipelines.pooled import Columns, columns
 from estimators.recording import Float
 
+CALLED: Final[tuple[Callable[..., Any], ...]] = (run, evaluate_kernel, leg_kernel, mass_centre)
+"""Kernels that the step calls by their address: of filter, arm model, legs and centre of mass."""
 STRETCH_TICKS: Final = 64
 """Most ticks of a stretch: those of the longest packet, and one more off the grid."""
 _STORED: Final = Columns._fields.index("segment_sigma_rad")
@@ -48,6 +55,7 @@ class ArmPool:
             model._columns.scalar,
             _NONE if mass is None else mass._source,
             like._legs._table,
+            *map(address_of, CALLED),
         )
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
         self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)
@@ -160,4 +168,4 @@ class ArmPool:
         return Frames(self.layout, first_tick, self._time_step_s, *found)
 
 
-__all__ = ["STRETCH_TICKS", "ArmPool"]
+__all__ = ["CALLED", "STRETCH_TICKS", "ArmPool"]

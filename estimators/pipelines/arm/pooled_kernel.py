@@ -11,6 +11,7 @@ from estimators.arm._kernel import Filled, Segments, evaluate_kernel
 from estimators.balance.mass_centre._worn_kernel import mass_centre
 from estimators.compiling import compiled
 from estimators.kernels import VOID, Record, bundle, rows, step
+from estimators.kernels.by_address import caller
 from estimators.leg._kernel import LEG_TABLE, leg_kernel
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._screen import _FIELD, _SAMPLE, _judge
@@ -25,6 +26,9 @@ from estimators.recording import Float, SampleQuality
 _MISSING: Final = int(SampleQuality.MISSING)
 _DISTURBANCE: Final = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 
+_filter, _evaluate, _move_legs, _mass_centre = (
+    caller(one) for one in (run, evaluate_kernel, leg_kernel, mass_centre)
+)
 _F1, _F2, _F3, _F4 = (types.Array(types.float64, n, "C") for n in (1, 2, 3, 4))
 _F5 = types.Array(types.float64, 5, "C")
 _U1, _U2, _U3 = (types.Array(types.uint8, n, "C") for n in (1, 2, 3))
@@ -52,7 +56,11 @@ ROWS: Final = bundle(
     _F2,
     _F2,
 )
-TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1, LEG_TABLE)
+TABLES: Final = bundle(
+    ArmTables,
+    *(types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1, LEG_TABLE),
+    *(types.int64, types.int64, types.int64, types.int64),
+)
 WORK: Final = bundle(ArmWork, _F1, _F1, _F1, _F1, _F1, _F1, _F1, _U1, _U1, _U1)
 
 
@@ -140,50 +148,53 @@ def _move_arms(
     slot: int, step_s: float, r: ArmRows, tables: ArmTables, omega: Float, start: int, stop: int, out: Columns
 ) -> None:
     """Write points, angles, scalars, those of the legs and the centre of mass of the rows from `start` to `stop`."""
-    evaluate_kernel(
-        Segments(
-            out.q_room_segment[start:stop],
-            omega,
-            out.segment_sigma_rad[start:stop],
-            out.segment_flags[start:stop],
-        ),
-        ModelColumns(
-            tables.source, r.lengths[slot], tables.point_column, tables.angle_column, tables.scalar_column
-        ),
-        step_s,
-        r.previous_angle[slot],
-        Filled(
-            out.point_room_m[start:stop],
-            out.angle_rad[start:stop],
-            out.angle_sigma_rad[start:stop],
-            out.scalar[start:stop],
-            out.angle_flags[start:stop],
-        ),
+    worn = Segments(
+        out.q_room_segment[start:stop],
+        omega,
+        out.segment_sigma_rad[start:stop],
+        out.segment_flags[start:stop],
     )
+    model = ModelColumns(
+        tables.source, r.lengths[slot], tables.point_column, tables.angle_column, tables.scalar_column
+    )
+    filled = Filled(
+        out.point_room_m[start:stop],
+        out.angle_rad[start:stop],
+        out.angle_sigma_rad[start:stop],
+        out.scalar[start:stop],
+        out.angle_flags[start:stop],
+    )
+    _evaluate(tables.model_at, (worn, model, step_s, r.previous_angle[slot], filled))
     if tables.legs.segment.shape[0] > 0:
-        leg_kernel(
-            out.q_room_segment[start:stop],
-            out.segment_sigma_rad[start:stop],
-            out.segment_flags[start:stop],
-            tables.legs,
-            out.angle_rad[start:stop],
-            out.angle_sigma_rad[start:stop],
-            out.angle_flags[start:stop],
+        _move_legs(
+            tables.legs_at,
+            (
+                out.q_room_segment[start:stop],
+                out.segment_sigma_rad[start:stop],
+                out.segment_flags[start:stop],
+                tables.legs,
+                out.angle_rad[start:stop],
+                out.angle_sigma_rad[start:stop],
+                out.angle_flags[start:stop],
+            ),
         )
     if tables.mass_source.shape[0] > 0:
-        mass_centre(
-            out.q_room_segment[start:stop],
-            out.segment_sigma_rad[start:stop],
-            out.segment_flags[start:stop],
-            r.lever[slot],
-            r.doubt[slot],
-            r.has_doubt[slot],
-            r.mass_middle[slot],
-            r.feet[slot],
-            tables.mass_source,
-            r.mass_settings[slot],
-            out.point_room_m[start:stop],
-            out.scalar[start:stop],
+        _mass_centre(
+            tables.mass_at,
+            (
+                out.q_room_segment[start:stop],
+                out.segment_sigma_rad[start:stop],
+                out.segment_flags[start:stop],
+                r.lever[slot],
+                r.doubt[slot],
+                r.has_doubt[slot],
+                r.mass_middle[slot],
+                r.feet[slot],
+                tables.mass_source,
+                r.mass_settings[slot],
+                out.point_room_m[start:stop],
+                out.scalar[start:stop],
+            ),
         )
 
 
@@ -227,7 +238,8 @@ def step_arms(
         bias = work.bias[:size].reshape((sensors, ticks, 3))
         sigma = work.sigma[:size].reshape((sensors, ticks, 3))
         flags = work.flags[:samples].reshape((sensors, ticks))
-        run(given, tables.settings, state, r.covariance[a:b], Estimates(q, bias, sigma, flags, no_details))
+        estimates = Estimates(q, bias, sigma, flags, no_details)
+        _filter(tables.filter_at, (given, tables.settings, state, r.covariance[a:b], estimates))
         if found > 0:
             _flag_lost_field(wild, flags)
         start, stop = stretches[n].tick_at, stretches[n].tick_at + ticks

@@ -94,6 +94,8 @@ class ArmTables(NamedTuple):
         Of the centre of mass; empty where the sensors worn give none.
     legs : LegTable
         Without joints where the sensors worn show none of a leg.
+    filter_at, model_at, legs_at, mass_at : int
+        Addresses of the kernels of filter, arm model, legs and centre of mass, see `estimators.kernels.by_address`.
     """
 
     channels: int
@@ -104,6 +106,10 @@ class ArmTables(NamedTuple):
     scalar_column: NDArray[np.int64]
     mass_source: NDArray[np.int64]
     legs: LegTable
+    filter_at: int
+    model_at: int
+    legs_at: int
+    mass_at: int
 
 
 class ArmWork(NamedTuple):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.compiling import compiled
 from estimators.gait.foot import layout as at
-from estimators.gait.foot.live.ordinary_kernel import RELEASE, TAKE
+from estimators.gait.foot.live.ordinary_kernel import release, take
 from estimators.gait.foot.live.rows import FOOT_ROWS, PIECE_TICKS, SIZES, FootRows
 from estimators.gait.foot.live.widened_kernel import can_widen, widen
 from estimators.kernels import Record, bundle, rows, step
@@ -16,7 +16,7 @@ from estimators.kernels.by_address import caller
 from estimators.kinetics import _live_shoes_kernel as shoe
 from estimators.orientation._screen import _judge
 from estimators.pipelines.pooled import COLUMNS, STRETCH, Columns
-from estimators.pipelines.walk.released_kernel import WRITE_FEET, WRITE_SHOES, Feet, Shoes
+from estimators.pipelines.walk.released_kernel import Feet, Shoes, write_feet, write_shoes
 from estimators.pipelines.walk.rows import COUNT, FIRST, SESSION, WalkRows, WalkTables, WalkWork
 from estimators.recording import Float
 
@@ -35,8 +35,8 @@ TABLES: Final = bundle(
     *(_WHOLE, _WHOLE, _WHOLE, _WHOLE, _WHOLE, _WHOLE, _WHOLE),
 )
 WORK: Final = bundle(WalkWork, _F1, _F1, _F1, _U1, _U1, _F2)
-_take, _release = caller(TAKE), caller(RELEASE)
-_write_feet, _write_shoes = caller(WRITE_FEET), caller(WRITE_SHOES)
+_take, _release = caller(take), caller(release)
+_write_feet, _write_shoes = caller(write_feet), caller(write_shoes)
 
 
 @step()

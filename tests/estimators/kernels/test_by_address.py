@@ -1,7 +1,6 @@
 """Kernels called by their address: what they return, what they raise, and that nobody's arrays are forgotten."""
 
 import sys
-from typing import Final
 
 import numpy as np
 import pytest
@@ -11,10 +10,8 @@ from estimators.compiling import compiled
 from estimators.kernels.by_address import address_of, caller
 from estimators.recording import Float
 
-SCALED: Final = types.float64(types.Array(types.float64, 2, "A", readonly=True), types.float64)
 
-
-@compiled(SCALED)
+@compiled(types.float64(types.Array(types.float64, 2, "A", readonly=True), types.float64))
 def _scaled_sum(values: Float, scale: float) -> float:
     if scale < 0.0:
         raise ValueError("scale must not be negative")
@@ -25,7 +22,7 @@ def _scaled_sum(values: Float, scale: float) -> float:
     return total
 
 
-_call = caller(SCALED)
+_call = caller(_scaled_sum)
 
 
 @compiled(types.float64(types.int64, types.float64[:, ::1], types.int64))

@@ -13,7 +13,7 @@ import pytest
 
 from app.errors import Unavailable
 from app.live import warmup
-from app.live.warmup import FIRST, Kind, Readiness, code_of, usual
+from app.live.warmup import FIRST, GUIDANCE, Kind, Readiness, code_of, usual
 from estimators.pipelines import SessionSetup
 from tests.benchmarks.crash import is_alive
 from tests.patience import PATIENCE_S
@@ -70,6 +70,30 @@ def test_a_session_waits_for_its_own_kind_only(monkeypatch: pytest.MonkeyPatch) 
     asyncio.run(story())
     assert held.begun[0] == FIRST
     assert len(held.begun) == len(set(held.begun))
+
+
+def test_only_who_is_guided_waits_for_guidance(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warmup, "PATIENCE_S", 0.05)
+    held = Held()
+    held.gate(FIRST).set()
+
+    async def story() -> None:
+        ready = Readiness(held)
+        await ready.begin()
+        await ready.require(ARM)
+        assert not ready.is_guiding
+        with pytest.raises(Unavailable, match="prepared"):
+            await ready.require_guidance()
+        held.gate(GUIDANCE).set()
+        while not ready.is_guiding:
+            with contextlib.suppress(Unavailable):
+                await ready.require_guidance()
+        for kind in usual():
+            held.gate(kind).set()
+        ready.end()
+
+    asyncio.run(story())
+    assert held.begun[:2] == [FIRST, GUIDANCE]
 
 
 def test_others_wait_for_those_who_come_back_unless_somebody_asks() -> None:

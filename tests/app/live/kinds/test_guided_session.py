@@ -1,6 +1,7 @@
 """Guidance of a live session: what is counted, said and stopped is what a patient of known truth did."""
 
 import asyncio
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -14,15 +15,17 @@ from sqlalchemy import Engine, select
 from app.accounts.models import Clinic
 from app.assessment.design.prescribed import prescribed_guidance
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict
+from app.errors import Conflict, Unavailable
 from app.limits import Limits
-from app.live import repository
+from app.live import repository, warmup
 from app.live.bus import MemoryBus, topic
 from app.live.calibration.messages import CalibrationIn
+from app.live.engine.shared import Shared
 from app.live.guidance.desk import GuidanceDesk
 from app.live.guidance.messages import GuidanceMessage
 from app.live.manager import LiveManager
 from app.live.session.runner import LiveSession
+from app.live.warmup import GUIDANCE, Kind, Readiness, load_or_compile
 from app.network.declaration import check_hello
 from app.network.packet import decode_packet
 from app.recordings import service
@@ -117,10 +120,12 @@ def enter(engine: Engine, settings: Settings, world: Any) -> Iterator[Enter]:
         prescription_id: str | None = None,
         session_id: str | None = None,
         exercise: ExerciseName = EXERCISE,
+        prepare: Callable[[Kind], None] = load_or_compile,
     ) -> Any:
         async def inside() -> Any:
             limits = Limits({"streams": settings.limit_streams})
-            manager = LiveManager(engine, writer, MemoryBus(), lambda _: None, limits=limits)
+            shared = Shared(readiness=Readiness(prepare))
+            manager = LiveManager(engine, writer, MemoryBus(), lambda _: None, limits=limits, shared=shared)
             done = performed(plan, exercise=exercise)
             opening = (
                 taken_up(manager, done, session_id) if session_id else opened(manager, done, prescription_id)
@@ -148,6 +153,26 @@ def stored(engine: Engine, session_id: str, *kinds: str) -> list[SessionEvent]:
 async def whole(room: Room) -> None:
     await room.to_the_start()
     await room.to_the_end()
+
+
+def test_only_a_session_that_is_guided_waits_for_guidance_to_be_compiled(
+    enter: Enter, engine: Engine, world: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(warmup, "PATIENCE_S", 0.2)
+    may_end = threading.Event()
+
+    def prepare(kind: Kind) -> None:
+        if kind == GUIDANCE:
+            may_end.wait(PATIENCE_S)
+
+    async def is_open(room: Room) -> None:
+        assert room.live.id
+
+    enter((SOUND, SOUND), is_open, prepare=prepare)
+    with pytest.raises(Unavailable, match="prepared"):
+        enter((SOUND, SOUND), is_open, prescribe(engine, world), prepare=prepare)
+    may_end.set()
+    assert enter((SOUND, SOUND), is_open, prescribe(engine, world), prepare=prepare).desk.message
 
 
 def test_three_good_ones_and_a_short_one(enter: Enter, engine: Engine, world: Any) -> None:
