@@ -3,7 +3,7 @@ import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import type { ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { date, dateTime, difference, displayUnit, number, quantity, span, tick } from '../lib/format';
+import { date, dateTime, difference, displayUnit, number, pair, quantity, span, tick } from '../lib/format';
 import { BASELINE } from '../lib/assessment/baseline';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
@@ -103,9 +103,10 @@ export function BandLegend({ bands, unit }: { bands: ProgressMeasure['bands']; u
 /** Less or more than the other side in per cent, when that is more than twice its uncertainty. */
 export function symmetryText(ratio: number, sigma: number, angle: number | null): string {
   const of = Math.exp(ratio);
+  const [percent, spread] = pair(Math.abs(100 * (of - 1)), 100 * of * sigma, 0);
   const words = {
-    percent: number(Math.abs(100 * (of - 1))),
-    sigma: number(100 * of * sigma),
+    percent,
+    sigma: spread,
     angle: number(angle, 1),
   };
   if (Math.abs(ratio) <= 2 * sigma) return t('progress.alike', words);

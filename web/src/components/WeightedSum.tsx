@@ -2,7 +2,7 @@
 import { useId } from 'react';
 import type { WeightedSum as Sum } from '../api/types';
 import { t } from '../i18n';
-import { number, plainTick, weighedQuantity } from '../lib/format';
+import { number, pair, plainTick, weighedQuantity } from '../lib/format';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */
@@ -10,6 +10,10 @@ const WEIGHT_DIGITS = 3;
 
 export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
   const title = useId();
+  const [value, spread] =
+    sum.value === null || sum.uncertainty === null
+      ? [number(sum.value, DIGITS)]
+      : pair(sum.value, sum.uncertainty, DIGITS);
   const note = isPaper ? 'paper-note' : 'muted small';
   return (
     <section className={isPaper ? 'paper-sum' : 'sum-part'} aria-labelledby={title}>
@@ -54,7 +58,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
               {t('compare.sumOf')}
               {sum.count > 0 && (
                 <span className="measure-note muted small">
-                  {sum.uncertainty !== null && `± ${number(sum.uncertainty, DIGITS)} `}
+                  {spread !== undefined && `± ${spread} `}
                   {t('compare.count', { count: sum.count })}
                 </span>
               )}
@@ -65,7 +69,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
               )}
             </th>
             <td className="number strong" data-label={t('compare.thisSession')}>
-              {number(sum.value, DIGITS)}
+              {value}
             </td>
           </tr>
         </tfoot>

@@ -95,14 +95,26 @@ export function bodyLength(metres: number | null | undefined): string {
   return `${number(tenths / 10, tenths % 10 === 0 ? 0 : 1)} cm`;
 }
 
-/** A value with its uncertainty, e.g. `87° ± 3`; without one only the value. A small one has a digit more, not ± 0. */
+/**
+ * A value and its uncertainty in the same digits, without a unit: `9.0` and `0.5`, never `9` and `0.5`. The one rule of
+ * all pages and of what is printed. Where the uncertainty would be shown as nothing, both have a digit more; where that
+ * is not enough, it is said to be below the last digit, as nothing measured is certain.
+ */
+export function pair(value: number, uncertainty: number, digits: number): [string, string] {
+  const size = Math.abs(uncertainty);
+  const isHidden = (decimals: number) => size > 0 && size < 0.5 * 10 ** -decimals;
+  if (!isHidden(digits)) return [number(value, digits), number(size, digits)];
+  if (isHidden(digits + 1)) return [number(value, digits), `< ${number(10 ** -digits, digits)}`];
+  return [number(value, digits + 1), number(size, digits + 1)];
+}
+
+/** A value with its uncertainty, e.g. `87° ± 3` and `9.0° ± 0.5`; without one only the value. */
 export function uncertain(value: number | null, uncertainty: number | null, unit: string): string {
-  const text = quantity(value, unit);
-  if (value === null || uncertainty === null || !Number.isFinite(uncertainty)) return text;
-  const shown = displayUnit(unit);
-  const size = Math.abs(uncertainty * shown.factor);
-  const needsDigit = size < 0.5 * 10 ** -shown.digits && size >= 0.05 * 10 ** -shown.digits;
-  return `${text} ± ${number(size, shown.digits + (needsDigit ? 1 : 0))}`;
+  if (value === null || uncertainty === null || !Number.isFinite(uncertainty) || !Number.isFinite(value))
+    return quantity(value, unit);
+  const { factor, digits, suffix } = displayUnit(unit);
+  const [text, size] = pair(value * factor, uncertainty * factor, digits);
+  return `${text}${suffix} ± ${size}`;
 }
 
 const DAY_MS = 86_400_000;

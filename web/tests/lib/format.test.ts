@@ -10,6 +10,7 @@ import {
   position,
   quantity,
   span,
+  pair,
   uncertain,
 } from '../../src/lib/format';
 
@@ -31,9 +32,17 @@ describe('numbers', () => {
   it('puts the uncertainty in the same unit', () => {
     expect(uncertain(Math.PI / 2, Math.PI / 60, 'rad')).toBe('90° ± 3');
     expect(uncertain(1.5, null, 's')).toBe('1.5 s');
-    expect(uncertain(1.5, 0.02, 's')).toBe('1.5 s ± 0.02');
-    expect(uncertain(8, 0.4, '%')).toBe('8 % ± 0.4');
+    expect(uncertain(1.5, 0.02, 's')).toBe('1.50 s ± 0.02');
     expect(uncertain(8, 0, '%')).toBe('8 % ± 0');
+  });
+  it('gives a value the digits of its uncertainty, and nothing measured an uncertainty of nothing', () => {
+    expect(uncertain(9.04, 0.43, 'deg')).toBe('9.0° ± 0.4');
+    expect(uncertain(8, 0.4, '%')).toBe('8.0 % ± 0.4');
+    expect(uncertain(8, 0.5, '%')).toBe('8 % ± 1');
+    expect(uncertain(-0.9981, 0.0012, '1')).toBe('−0.998 ± 0.001');
+    expect(uncertain(-0.99996, 0.00003, '1')).toBe('−1.00 ± < 0.01');
+    expect(uncertain(9, 0.01, 'deg')).toBe('9° ± < 1');
+    expect(pair(-12, -3, 0)).toEqual(['−12', '3']);
   });
   it('keeps a unit it does not know', () => {
     expect(quantity(3, 'N')).toBe('3.00 N');

@@ -1,6 +1,6 @@
 // Lean and sway in live frames, and measures with their uncertainty in the units of a clinic.
 import type { Named } from '../../api/types';
-import { number } from '../../lib/format';
+import { number, pair } from '../../lib/format';
 import type { Player } from '../../player/types';
 
 const GRAVITY = 9.80665;
@@ -86,6 +86,7 @@ export function measureText(one: Named<'BalanceMeasure'> | undefined): string {
   if (!one || one.value === null) return '–';
   const isLong = one.unit === 'm' && Math.abs(one.value) >= 0.1;
   const [factor, name, digits] = isLong ? ([100, 'cm', 1] as const) : (UNITS[one.unit] ?? [1, one.unit, 2]);
-  const sigma = one.sigma === null ? '' : ` ± ${number(one.sigma * factor, digits)}`;
-  return `${number(one.value * factor, digits)}${sigma}${name === '°' || !name ? name : ` ${name}`}`;
+  const value = one.value * factor;
+  const text = one.sigma === null ? number(value, digits) : pair(value, one.sigma * factor, digits).join(' ± ');
+  return `${text}${name === '°' || !name ? name : ` ${name}`}`;
 }

@@ -2,7 +2,7 @@
 import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../../api/types';
 import measures from '../../api/measures.json';
 import { tOr } from '../../i18n';
-import { number, quantity, uncertain } from '../../lib/format';
+import { number, pair, quantity, uncertain } from '../../lib/format';
 
 /** Seen first; all others when asked for. */
 export const MAIN_MEASURES: readonly string[] = measures.foot.main;
@@ -13,13 +13,18 @@ export function measureLabel(name: string): string {
   return tOr(`measure.${name}`, words.charAt(0).toUpperCase() + words.slice(1));
 }
 
+/** Units that a walk shows in a way of its own: digits and sign. */
+const FINER: Partial<Record<string, readonly [number, string]>> = { 'steps/min': [0, ' /min'], s: [2, ' s'] };
+
 /** Parts of one are shown in per cent, everything else in its usual unit. */
 export function measureText(value: number | null | undefined, unit: string, sigma: number | null = null): string {
   if (value === null || value === undefined) return '–';
   if (unit === '1') return uncertain(value * 100, sigma === null ? null : sigma * 100, '%');
-  if (unit === 'steps/min') return `${number(value)} /min${sigma === null ? '' : ` ± ${number(sigma)}`}`;
-  if (unit === 's') return `${number(value, 2)} s${sigma === null ? '' : ` ± ${number(sigma, 2)}`}`;
-  return uncertain(value, sigma, unit);
+  const [digits, suffix] = FINER[unit] ?? [];
+  if (digits === undefined) return uncertain(value, sigma, unit);
+  if (sigma === null) return `${number(value, digits)}${suffix}`;
+  const [text, size] = pair(value, sigma, digits);
+  return `${text}${suffix} ± ${size}`;
 }
 
 /** The foot of a side, when it was worn. */

@@ -297,6 +297,8 @@ describe('numbers of a walk', () => {
     expect(measureText(0.62, '1', 0.01)).toBe('62 % ± 1');
     expect(measureText(1.234, 's')).toBe('1.23 s');
     expect(measureText(110.4, 'steps/min', 1.2)).toBe('110 /min ± 1');
+    expect(measureText(110.4, 'steps/min', 0.3)).toBe('110.4 /min ± 0.3');
+    expect(measureText(1.234, 's', 0.002)).toBe('1.234 s ± 0.002');
     expect(measureText(null, 'm')).toBe('–');
   });
   it('put the map where the feet were', () => {

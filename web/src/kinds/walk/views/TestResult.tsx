@@ -1,7 +1,7 @@
 // The result of a walking test in large figures, with what the sensors could not tell.
 import type { Gait } from '../../../api/types';
 import { t } from '../../../i18n';
-import { number } from '../../../lib/format';
+import { number, pair } from '../../../lib/format';
 
 function Figure({ name, value, more }: { name: string; value: string; more?: string }) {
   return (
@@ -16,6 +16,7 @@ function Figure({ name, value, more }: { name: string; value: string; more?: str
 
 export function TestResult({ gait }: { gait: Gait }) {
   const { test } = gait;
+  const [distance, spread] = test ? pair(test.distance_m, test.distance_sigma_m, test.distance_m < 100 ? 2 : 0) : [];
   const reasons = [...(test?.reasons ?? []), ...gait.reasons];
   return (
     <section className="card" aria-labelledby="test-result">
@@ -26,11 +27,7 @@ export function TestResult({ gait }: { gait: Gait }) {
       {test && (
         <dl className="figures-large">
           <Figure name={t('walk.time')} value={`${number(test.time_s, 1)} s`} />
-          <Figure
-            name={t('walk.distance')}
-            value={`${number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m`}
-            more={`± ${number(test.distance_sigma_m, 2)}`}
-          />
+          <Figure name={t('walk.distance')} value={`${distance} m`} more={`± ${spread}`} />
           <Figure name={t('walk.speed')} value={`${number(test.speed_mps, 2)} m/s`} />
           <Figure name={t('walk.steps')} value={number(test.step_count)} />
           <Figure name={t('walk.turns')} value={number(test.turn_count)} />
