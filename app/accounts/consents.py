@@ -1,5 +1,7 @@
 """Consent by purpose: what the patient said, in the patient's or a therapist's record of it."""
 
+from collections.abc import Collection
+
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
@@ -7,18 +9,23 @@ from app.accounts.models import Consent
 from app.database.base import utc_now
 
 
-def consent(session: Session, patient_id: str, purpose: str) -> bool | None:
-    """Return yes, no, or None when the patient was not asked.
+def answered(
+    session: Session, patient_ids: Collection[str], purposes: Collection[str]
+) -> dict[tuple[str, str], bool]:
+    """Return yes or no by patient and purpose, in one statement; who was not asked is not in it.
 
     Parameters
     ----------
     session : Session
-    patient_id : str
-    purpose : {"treatment", "research", "home_streaming"}
+    patient_ids : collection of str
+    purposes : collection of {"treatment", "research", "home_streaming"}
     """
-    return session.scalar(
-        select(Consent.granted).where(Consent.patient_id == patient_id, Consent.purpose == purpose)
+    rows = session.execute(
+        select(Consent.patient_id, Consent.purpose, Consent.granted).where(
+            Consent.patient_id.in_(patient_ids), Consent.purpose.in_(purposes)
+        )
     )
+    return {(patient_id, purpose): granted for patient_id, purpose, granted in rows}
 
 
 def list_consents(session: Session, patient_id: str) -> list[Consent]:

@@ -15,11 +15,18 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocket
 
-from app.accounts.credentials.sign_in import COOKIE, SEEN_AGAIN_AFTER, FoundSignIn, find_sign_in, touch
+from app.accounts.credentials.sign_in import (
+    COOKIE,
+    SEEN_AGAIN_AFTER,
+    FoundSignIn,
+    find_sign_in,
+    first_to_do,
+    touch,
+)
 from app.accounts.device_tokens import subject_of_device_token
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import NotAllowed, PasswordChangeRequired, SecondFactorRequired, SignInRequired
+from app.errors import NotAllowed, SignInRequired
 from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
@@ -130,10 +137,8 @@ def current_subject(connection: HTTPConnection) -> Subject:
     scheme, _, token = connection.headers.get("authorization", "").partition(" ")
     if not token:
         found = current_sign_in(connection)
-        if found.must == "password":
-            raise PasswordChangeRequired(say("sign_in.change_password_first"))
-        if found.must == "second_factor":
-            raise SecondFactorRequired(say("sign_in.second_factor_first"))
+        if (refusal := first_to_do(found)) is not None:
+            raise refusal
         return found.subject
     if scheme.lower() != "bearer":
         raise SignInRequired(say("sign_in.bearer_only"))

@@ -1,9 +1,10 @@
 """Device tokens: JWTs of gateways and phones, each bound to one patient and revocable."""
 
 from datetime import UTC, datetime, timedelta
+from typing import Any
 
 import jwt
-from sqlalchemy import select
+from sqlalchemy import Row, select
 from sqlalchemy.orm import Session
 
 from app.accounts.models import DeviceToken
@@ -110,16 +111,17 @@ def device_subject(row: DeviceToken) -> Subject:
     return Subject("device", row.id, None, row.clinic_id, "device", row.patient_id)
 
 
-def is_valid(row: DeviceToken, at: datetime | None = None) -> bool:
+def is_valid(row: DeviceToken | Row[*tuple[Any, ...]], at: datetime | None = None) -> bool:
     """Return whether a token is neither revoked nor expired.
 
     Parameters
     ----------
-    row : DeviceToken
+    row : DeviceToken or Row
+        The row has `revoked_at` and `expires_at`.
     at : datetime, optional
         Now when absent.
     """
-    return row.revoked_at is None and row.expires_at > (at or datetime.now(UTC))
+    return row.revoked_at is None and bool(row.expires_at > (at or datetime.now(UTC)))
 
 
 def list_device_tokens(session: Session, patient_id: str, page: Page) -> list[DeviceToken]:

@@ -214,6 +214,7 @@ class IngestConnection:
         sides = (
             asyncio.create_task(self._receive_all(intake), name="ingest receive"),
             asyncio.create_task(self._acknowledge(intake), name="ingest acknowledge"),
+            asyncio.create_task(self._keep_checking(intake), name="ingest right"),
             asyncio.create_task(self._order(intake), name="ingest order"),
         )
         try:
@@ -297,11 +298,9 @@ class IngestConnection:
                 return
 
     async def _acknowledge(self, intake: Intake) -> None:
-        """Acknowledge and watch the right; returns when the session has closed and all is stored."""
+        """Acknowledge; returns when the session has closed and all is stored."""
         last: AcknowledgeMessage | None = None
         sent_s = time.monotonic()
-        # Connections that came together after a restart must not all be checked at the same moment.
-        checked_s = sent_s - random.uniform(0.0, self._sink.check_every_s)  # noqa: S311
         while True:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(ACKNOWLEDGE_EVERY_S):
@@ -317,9 +316,14 @@ class IngestConnection:
                 last, sent_s = found, now
             if is_finished:
                 return
-            if now - checked_s > self._sink.check_every_s:
-                await intake.check_right()
-                checked_s = now
+
+    async def _keep_checking(self, intake: Intake) -> None:
+        """Watch the right; raises when it is lost. By itself: an answer takes its time, acknowledgements must not."""
+        # Connections that came together after a restart must not all be checked at the same moment.
+        await asyncio.sleep(random.uniform(0.0, self._sink.check_every_s))  # noqa: S311
+        while True:
+            await intake.check_right()
+            await asyncio.sleep(self._sink.check_every_s)
 
     async def _wrong(self, error: TelemotionError) -> None:
         answer = self._counted(error)

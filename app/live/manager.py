@@ -22,7 +22,8 @@ from app.live.guidance.desk import GuidanceDesk
 from app.live.guidance.opening import is_to_be_guided
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
-from app.live.patience import Patience
+from app.live.rights.patience import Patience
+from app.live.rights.questions import RightQuestion
 from app.live.session.intake import Intake
 from app.live.session.marks import Marks, all_stored
 from app.live.session.opening import ANYWHERE, Opener, Place, check_network
@@ -206,8 +207,8 @@ class LiveManager(SteeredSide):
             repository.open_by_ticket, self.engine, hello.ticket, self._confirmation_hours
         )
         session = await self.join(stored, declaration, subject)
-        may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
-        intake = self.attach(session, partial(self._check_gateway, session, may_stream, Patience()))
+        right = RightQuestion(subject, stored.id, "record")
+        intake = self.attach(session, partial(self._check_gateway, session, right, Patience()))
         session.connected()
         self.announce(session)
         return intake
@@ -463,11 +464,9 @@ class LiveManager(SteeredSide):
         """Return the state of a session that is not live here."""
         return stored_state(stored, self._sent_away.get(stored.id))
 
-    async def _check_gateway(
-        self, session: LiveSession, may_stream: Callable[[], None], patience: Patience
-    ) -> None:
+    async def _check_gateway(self, session: LiveSession, right: RightQuestion, patience: Patience) -> None:
         """Raise when a gateway has lost its right; stop its source when nobody answers for it any more."""
-        await patience.wait(self.check(may_stream))
+        await patience.wait(self.check_right(right))
         if session.actuation is not None:
             await self.check_source(session.id)
 

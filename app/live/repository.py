@@ -13,12 +13,10 @@ from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
 from app.accounts.credentials.tickets import Redeemed, issue_ticket, redeem_ticket
-from app.accounts.device_tokens import is_valid
-from app.accounts.models import Account, DeviceToken
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict, NotFound, SafetyUnconfirmed, SignInRequired, Unavailable
+from app.errors import Conflict, NotFound, SafetyUnconfirmed, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS, withdraw
 from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live.session.states import OPEN
@@ -138,29 +136,6 @@ def give_ticket(
             session, subject, "ingest" if purpose == "ingest" else "live", session_id
         )
         return token, ticket.expires_at
-
-
-def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Level) -> None:
-    """Check an open socket again: the account or device is valid and its right to the patient stands.
-
-    Raises
-    ------
-    SignInRequired, NotFound, NotAllowed
-    """
-    with read_only(engine) as session:
-        if subject.kind == "device":
-            device = session.get(DeviceToken, subject.id)
-            if device is None or not is_valid(device):
-                raise SignInRequired(say("live.token_expired"))
-        elif subject.kind == "account":
-            account = session.get(Account, subject.id)
-            if account is None or not account.is_active:
-                raise SignInRequired(say("live.account_inactive"))
-        # Every open socket asks this every few seconds: setup and hello of the session are not read for it.
-        patient_id = session.scalar(select(MotionSession.patient_id).where(MotionSession.id == session_id))
-        if patient_id is None:
-            raise NotFound(NO_SUCH_SESSION)
-        require_patient(session, subject, patient_id, level)
 
 
 def _require_safe(session: Session, row: MotionSession, hours: float) -> None:

@@ -5,6 +5,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Final, TypeVar
 
 from sqlalchemy import Engine
@@ -14,6 +15,8 @@ from app.live.bus import Bus
 from app.live.guidance.desk import GuidanceDesk
 from app.live.messages import StateMessage
 from app.live.repository import StoredSession
+from app.live.rights.desk import RightsDesk
+from app.live.rights.questions import RightQuestion, answers_apart
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
@@ -24,6 +27,8 @@ CHECK_EVERY_S: Final = 5.0
 CHECK_AT_LEAST_EVERY_S: Final = 30.0
 CHECKS_SHARE: Final = 0.02
 """Of a processor, for checks of rights of all open sockets."""
+GATHERED: Final = 0.2
+"""Share of the time between two checks in which a socket's question waits for those of others."""
 
 
 class LiveSide(ABC):
@@ -42,6 +47,7 @@ class LiveSide(ABC):
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._check_cost_s = 0.0
+        self._rights = RightsDesk(self._ask_all, lambda: self._gather_s)
 
     @abstractmethod
     async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
@@ -58,25 +64,46 @@ class LiveSide(ABC):
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread reserved for checks of open sockets."""
+        return await self._timed(work, 1)
 
+    async def check_right(self, question: RightQuestion) -> None:
+        """Check the right of an open socket again, together with that of others that ask soon; raises typed errors."""
+        await self._rights.check(question)
+
+    async def _ask_all(self, questions: Sequence[RightQuestion]) -> Sequence[Exception | None]:
+        return await self._timed(partial(answers_apart, self.engine, questions), len(questions))
+
+    async def _timed(self, work: Callable[[], Answer], sockets: int) -> Answer:
         def timed() -> Answer:
             began_s = time.thread_time()
             try:
                 return work()
             finally:
-                self._check_cost_s += 0.1 * (time.thread_time() - began_s - self._check_cost_s)
+                cost_s = (time.thread_time() - began_s) / sockets
+                self._check_cost_s += 0.1 * (cost_s - self._check_cost_s)
 
         return await asyncio.get_running_loop().run_in_executor(self._checks, timed)
 
     @property
     def check_every_s(self) -> float:
-        """How often the right of an open socket is checked again: more rarely where very many are open."""
+        """How long the right of an open socket stands from one answer to the next question."""
+        return self._interval_s - self._gather_s
+
+    @property
+    def _interval_s(self) -> float:
+        """From one answer to the next: longer where very many are open, and the longest that a lost right lasts."""
         # A session has a gateway and, mostly, somebody who watches.
         wanted_s = 2 * self.session_count * self._check_cost_s / CHECKS_SHARE
         return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)
 
+    @property
+    def _gather_s(self) -> float:
+        """How long a question waits for others: of each five seconds one."""
+        return GATHERED * self._interval_s
+
     def end_checks(self) -> None:
         """Check nothing more."""
+        self._rights.end()
         self._checks.shutdown(cancel_futures=True)
 
 

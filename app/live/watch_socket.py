@@ -9,8 +9,6 @@ few seconds, and the socket ends when it is lost.
 import asyncio
 import contextlib
 import random
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, WebSocket
@@ -18,13 +16,14 @@ from pydantic import ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.accounts.credentials.sign_in import COOKIE
-from app.accounts.dependencies import current_subject, websocket_subject
+from app.accounts.dependencies import websocket_subject
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
 from app.live import repository
 from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
-from app.live.patience import Patience
+from app.live.rights.patience import Patience
+from app.live.rights.questions import RightQuestion, ShownCookie, still_allowed
 from app.live.side import LiveSide
 from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
@@ -53,29 +52,29 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
     services = services_of(websocket)
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         try:
-            subject, check = await _who(websocket, services, session_id)
-            with services.limits.take("sockets", subject):
-                await asyncio.to_thread(check)
+            right = await _who(websocket, services, session_id)
+            with services.limits.take("sockets", right.subject):
+                await asyncio.to_thread(still_allowed, services.engine, right)
                 stored = await asyncio.to_thread(repository.load, services.engine, session_id)
-                await _serve(websocket, services.get(LiveSide), stored, check)
+                await _serve(websocket, services.get(LiveSide), stored, right)
         except TelemotionError as error:
             await _end(websocket, error)
 
 
-Check = Callable[[], None]
-
-
-async def _who(websocket: WebSocket, services: Services, session_id: str) -> tuple[Subject, Check]:
-    """Return who watches, and the check that decides, now and again later, whether this client may."""
-    engine = services.engine
-    if websocket.cookies.get(COOKIE) or websocket.headers.get("authorization"):
+async def _who(websocket: WebSocket, services: Services, session_id: str) -> RightQuestion:
+    """Return the question that decides, now and again later, whether this client may watch."""
+    engine, cookie = services.engine, websocket.cookies.get(COOKIE)
+    if cookie or websocket.headers.get("authorization"):
         subject = await websocket_subject(websocket)
     else:
         subject = await _subject_of_ticket(websocket, services, session_id)
     stored = await asyncio.to_thread(
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
-    return subject, partial(repository.still_allowed, engine, subject, stored.id, "read")
+    # A socket's Origin, which `current_subject` looks at too, stays what it was. Who shows a token is no browser.
+    is_browser = cookie and not websocket.headers.get("authorization")
+    shown = ShownCookie(cookie, services.settings) if cookie and is_browser else None
+    return RightQuestion(subject, stored.id, "read", shown)
 
 
 async def _subject_of_ticket(websocket: WebSocket, services: Services, session_id: str) -> Subject:
@@ -91,7 +90,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
 
 
 async def _serve(
-    websocket: WebSocket, live: LiveSide, stored: repository.StoredSession, check: Check
+    websocket: WebSocket, live: LiveSide, stored: repository.StoredSession, right: RightQuestion
 ) -> None:
     names = ("layout", "state", "health", "event", "calibration", "guidance")
     blocks = topic(stored.id, "blocks")
@@ -109,7 +108,7 @@ async def _serve(
             asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
             asyncio.create_task(_send_messages(websocket, messages, socket), name="watch messages"),
             asyncio.create_task(_receive(websocket), name="watch receive"),
-            asyncio.create_task(_keep_checking(websocket, live, check), name="watch right"),
+            asyncio.create_task(_keep_checking(live, right), name="watch right"),
         ]
         await until_first_ends(tasks)
 
@@ -152,17 +151,12 @@ async def _receive(websocket: WebSocket) -> None:
         pass
 
 
-async def _keep_checking(websocket: WebSocket, live: LiveSide, check: Check) -> None:
-    def check_all() -> None:
-        if websocket.cookies.get(COOKIE):
-            current_subject(websocket)
-        check()
-
+async def _keep_checking(live: LiveSide, right: RightQuestion) -> None:
     # Sockets that were opened together must not all be checked at the same moment.
     await asyncio.sleep(random.uniform(0.0, live.check_every_s))  # noqa: S311
     patience = Patience()
     while True:
-        await patience.wait(live.check(check_all))
+        await patience.wait(live.check_right(right))
         await asyncio.sleep(live.check_every_s)
 
 

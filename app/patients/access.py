@@ -23,15 +23,20 @@ patient is taken out of the archive.
 
 The service itself (`Subject.system`) has every level inside its clinic. Who has no level at all gets
 `NotFound`, so the patient's existence does not leak; who has another level gets `NotAllowed`.
+
+Open sockets are asked for many at a time (`refusals`); a question by itself is a set of one. What is decided reads
+nothing: the facts of all questions are read before, in one statement of each kind.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal
+from typing import Literal, NamedTuple, Protocol
 
-from sqlalchemy import ColumnElement, Select, or_, select
+from sqlalchemy import ColumnElement, Select, or_, select, tuple_
 from sqlalchemy.orm import Session
 
-from app.accounts.consents import consent
+from app.accounts.consents import answered
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import NotAllowed, NotFound
@@ -49,7 +54,37 @@ _ADMINISTRATOR: frozenset[Level] = frozenset({"status", "read", "manage", "erase
 _OWN: frozenset[Level] = frozenset({"status", "read", "record"})
 _DEVICE: frozenset[Level] = frozenset({"status", "record"})
 
+_WITH_CONSENT: frozenset[Level] = frozenset({"record", "treat"})
+_CONSENTS = ("treatment", "home_streaming")
+
 NO_SUCH_PATIENT = say("patient.not_found")
+
+
+class Asked(NamedTuple):
+    """Who wants to do what with whose data."""
+
+    subject: Subject
+    patient_id: str
+    level: Level
+
+
+class _Treated(Protocol):
+    """What a decision needs of a patient: the object, or a row of these columns."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def clinic_id(self) -> str: ...
+    @property
+    def archived_at(self) -> datetime | None: ...
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """Levels granted by patient and account, and answers by patient and purpose."""
+
+    granted: Mapping[tuple[str, str], frozenset[Level]]
+    consents: Mapping[tuple[str, str], bool]
 
 
 def require_patient(session: Session, subject: Subject, patient_id: str, level: Level = "read") -> Patient:
@@ -76,17 +111,40 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
     NotAllowed
         The subject may see the patient but not do this, the patient has not consented to it, or is archived.
     """
+    asked = Asked(subject, patient_id, level)
     patient = session.get(Patient, patient_id)
-    held = levels(session, subject, patient) if patient is not None else frozenset()
-    if patient is None or not held:
+    if patient is None:
         raise NotFound(NO_SUCH_PATIENT)
-    if level not in held:
-        raise NotAllowed(say("patient.level", level=level), level=level)
-    if level in {"record", "treat"} and subject.role != "system":
-        if patient.archived_at is not None:
-            raise NotAllowed(say("patient.archived"), archived=True)
-        _require_consent(session, subject, patient_id, level)
+    refusal = _refusal(asked, patient, _facts(session, [asked]))
+    if refusal is not None:
+        raise refusal
     return patient
+
+
+def refusals(session: Session, questions: Sequence[Asked]) -> list[NotFound | NotAllowed | None]:
+    """Return what `require_patient` would raise for each question, None where it would not; in at most 3 statements.
+
+    Parameters
+    ----------
+    session : Session
+    questions : sequence of Asked
+    """
+    if not questions:
+        return []
+    rows = session.execute(
+        select(Patient.id, Patient.clinic_id, Patient.archived_at).where(
+            Patient.id.in_({asked.patient_id for asked in questions})
+        )
+    )
+    patients = {row.id: row for row in rows}
+    known = [asked for asked in questions if asked.patient_id in patients]
+    facts = _facts(session, known)
+    return [
+        _refusal(asked, patients[asked.patient_id], facts)
+        if asked.patient_id in patients
+        else NotFound(NO_SUCH_PATIENT)
+        for asked in questions
+    ]
 
 
 def require_own_or_manage(session: Session, subject: Subject, patient_id: str) -> Patient:
@@ -119,19 +177,7 @@ def levels(session: Session, subject: Subject, patient: Patient) -> frozenset[Le
     subject : Subject
     patient : Patient
     """
-    if subject.clinic_id != patient.clinic_id:
-        return frozenset()
-    match subject.role:
-        case "system":
-            return _ALL
-        case "device":
-            return _DEVICE if subject.patient_id == patient.id else frozenset()
-        case "patient":
-            return _OWN if subject.patient_id == patient.id else frozenset()
-        case "administrator":
-            return _ADMINISTRATOR | _granted(session, subject, patient.id)
-        case _:
-            return _granted(session, subject, patient.id)
+    return _held(subject, patient, _granted(session, [Asked(subject, patient.id, "status")]))
 
 
 def visible_patients(subject: Subject) -> Select[Patient]:
@@ -165,29 +211,78 @@ def is_in_force(at: datetime | None = None) -> ColumnElement[bool]:
     return Grant.revoked_at.is_(None) & or_(Grant.expires_at.is_(None), Grant.expires_at > (at or utc_now()))
 
 
-def _granted(session: Session, subject: Subject, patient_id: str) -> frozenset[Level]:
-    if subject.account_id is None:
-        return frozenset()
-    grants = session.scalars(
-        select(Grant.level).where(
-            Grant.patient_id == patient_id, Grant.account_id == subject.account_id, is_in_force()
+def _facts(session: Session, questions: Sequence[Asked]) -> _Facts:
+    """Read what the answers depend on; what none of them depends on is not asked for."""
+    with_consent = {asked.patient_id for asked in questions if _needs_consent(asked)}
+    return _Facts(
+        granted=_granted(session, questions),
+        consents=answered(session, with_consent, _CONSENTS) if with_consent else {},
+    )
+
+
+def _granted(session: Session, questions: Iterable[Asked]) -> dict[tuple[str, str], frozenset[Level]]:
+    pairs = {
+        (asked.patient_id, asked.subject.account_id)
+        for asked in questions
+        if asked.subject.account_id is not None and asked.subject.role not in {"system", "device", "patient"}
+    }
+    if not pairs:
+        return {}
+    rows = session.execute(
+        select(Grant.patient_id, Grant.account_id, Grant.level).where(
+            tuple_(Grant.patient_id, Grant.account_id).in_(pairs), is_in_force()
         )
     )
-    held: frozenset[Level] = frozenset()
-    for level in grants:
-        held |= _GRANT_LEVELS.get(level, frozenset())
+    held: dict[tuple[str, str], frozenset[Level]] = {}
+    for patient_id, account_id, level in rows:
+        pair = patient_id, account_id
+        held[pair] = held.get(pair, frozenset()) | _GRANT_LEVELS.get(level, frozenset())
     return held
 
 
-def _require_consent(session: Session, subject: Subject, patient_id: str, level: Level) -> None:
-    treatment = consent(session, patient_id, "treatment")
+def _refusal(asked: Asked, patient: _Treated, facts: _Facts) -> NotFound | NotAllowed | None:
+    """Decide: every rule of the module text is here and in `_held`."""
+    held = _held(asked.subject, patient, facts.granted)
+    if not held:
+        return NotFound(NO_SUCH_PATIENT)
+    if asked.level not in held:
+        return NotAllowed(say("patient.level", level=asked.level), level=asked.level)
+    if not _needs_consent(asked):
+        return None
+    if patient.archived_at is not None:
+        return NotAllowed(say("patient.archived"), archived=True)
+    treatment = facts.consents.get((patient.id, "treatment"))
     if treatment is not True:
         never_asked = treatment is None
         reason = say("patient.no_consent") if never_asked else say("patient.consent_withdrawn")
-        raise NotAllowed(reason, purpose="treatment")
-    at_home = subject.role in {"patient", "device"}
-    if level == "record" and at_home and consent(session, patient_id, "home_streaming") is not True:
-        raise NotAllowed(
+        return NotAllowed(reason, purpose="treatment")
+    at_home = asked.subject.role in {"patient", "device"}
+    if asked.level == "record" and at_home and facts.consents.get((patient.id, "home_streaming")) is not True:
+        return NotAllowed(
             say("patient.no_home_consent"),
             purpose="home_streaming",
         )
+    return None
+
+
+def _needs_consent(asked: Asked) -> bool:
+    return asked.level in _WITH_CONSENT and asked.subject.role != "system"
+
+
+def _held(
+    subject: Subject, patient: _Treated, granted: Mapping[tuple[str, str], frozenset[Level]]
+) -> frozenset[Level]:
+    if subject.clinic_id != patient.clinic_id:
+        return frozenset()
+    by_grant = granted.get((patient.id, subject.account_id or ""), frozenset())
+    match subject.role:
+        case "system":
+            return _ALL
+        case "device":
+            return _DEVICE if subject.patient_id == patient.id else frozenset()
+        case "patient":
+            return _OWN if subject.patient_id == patient.id else frozenset()
+        case "administrator":
+            return _ADMINISTRATOR | by_grant
+        case _:
+            return by_grant

@@ -1,10 +1,11 @@
 """Browser sessions: made by sign-in, found again by the cookie, ended by sign-out, idleness or age."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import Literal
+from typing import Any, Literal
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import Row, delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tickets import account_subject
@@ -13,7 +14,7 @@ from app.accounts.models import Account, Clinic, SignIn, Ticket
 from app.accounts.schemas import Me
 from app.accounts.subject import Subject
 from app.database.base import utc_now
-from app.errors import SignInRequired
+from app.errors import NotAllowed, PasswordChangeRequired, SecondFactorRequired, SignInRequired
 from app.sentences import say
 from app.settings import Settings
 
@@ -115,36 +116,87 @@ def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignI
     SignInRequired
         Unknown, too old, idle too long, or the account is no longer active.
     """
+    found = find_sign_ins(session, settings, {token})[token]
+    if isinstance(found, SignInRequired):
+        raise found
+    return found
+
+
+def find_sign_ins(
+    session: Session, settings: Settings, tokens: Collection[str]
+) -> dict[str, FoundSignIn | SignInRequired]:
+    """Return the browser session behind each of some cookies, or what `find_sign_in` raises; in one statement.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    tokens : collection of str
+        Values of cookies.
+    """
     now = utc_now()
-    row = session.execute(
-        select(SignIn, Account)
+    hashes = {hash_token(token): token for token in tokens}
+    rows = session.execute(
+        select(
+            SignIn.id.label("sign_in_id"),
+            SignIn.token_hash,
+            SignIn.csrf_token,
+            SignIn.last_seen_at,
+            Account.id,
+            Account.clinic_id,
+            Account.role,
+            Account.patient_id,
+            Account.must_change_password,
+            Account.totp_since,
+        )
         .join(Account, Account.id == SignIn.account_id)
         .where(
-            SignIn.token_hash == hash_token(token),
+            SignIn.token_hash.in_(hashes),
             SignIn.expires_at > now,
             SignIn.last_seen_at > now - timedelta(minutes=settings.sign_in_idle_minutes),
             Account.is_active,
         )
-    ).first()
-    if row is None:
-        raise SignInRequired(_PLEASE)
-    sign_in, account = row
-    return FoundSignIn(
-        id=sign_in.id,
-        subject=account_subject(account),
-        csrf_token=sign_in.csrf_token,
-        needs_touch=now - sign_in.last_seen_at > SEEN_AGAIN_AFTER,
-        must=must_first(settings, account),
     )
+    found: dict[str, FoundSignIn | SignInRequired] = {token: SignInRequired(_PLEASE) for token in tokens}
+    for row in rows:
+        token = hashes[row.token_hash]
+        try:
+            subject = account_subject(row)
+        except SignInRequired as error:
+            found[token] = error
+            continue
+        found[token] = FoundSignIn(
+            id=row.sign_in_id,
+            subject=subject,
+            csrf_token=row.csrf_token,
+            needs_touch=now - row.last_seen_at > SEEN_AGAIN_AFTER,
+            must=must_first(settings, row),
+        )
+    return found
 
 
-def must_first(settings: Settings, account: Account) -> Must | None:
+def first_to_do(found: FoundSignIn) -> NotAllowed | None:
+    """Return the refusal of whatever else is asked for before what an account must do first.
+
+    Parameters
+    ----------
+    found : FoundSignIn
+    """
+    if found.must == "password":
+        return PasswordChangeRequired(say("sign_in.change_password_first"))
+    if found.must == "second_factor":
+        return SecondFactorRequired(say("sign_in.second_factor_first"))
+    return None
+
+
+def must_first(settings: Settings, account: Account | Row[*tuple[Any, ...]]) -> Must | None:
     """Return what an account has to do before anything else.
 
     Parameters
     ----------
     settings : Settings
-    account : Account
+    account : Account or Row
+        The row has `role`, `must_change_password` and `totp_since`.
     """
     if account.must_change_password:
         return "password"

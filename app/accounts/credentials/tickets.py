@@ -4,9 +4,9 @@ URL.
 
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import Literal
+from typing import Any, Literal
 
-from sqlalchemy import CursorResult, delete, select, update
+from sqlalchemy import CursorResult, Row, delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tokens import hash_token, new_token
@@ -138,12 +138,18 @@ def _subject(session: Session, row: Ticket) -> Subject:
     raise SignInRequired(_REFUSED)
 
 
-def account_subject(account: Account) -> Subject:
+def account_subject(account: Account | Row[*tuple[Any, ...]]) -> Subject:
     """Return the subject of an account.
 
     Parameters
     ----------
-    account : Account
+    account : Account or Row
+        The row has `id`, `clinic_id`, `role` and `patient_id`.
+
+    Raises
+    ------
+    SignInRequired
+        Its role is none that this service knows.
     """
     role: str = account.role
     if role not in {"administrator", "therapist", "patient", "integrator"}:

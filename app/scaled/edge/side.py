@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Sequence
-from functools import partial
 from typing import Final
 
 import nats
@@ -12,7 +11,8 @@ from app.database.base import new_id
 from app.errors import Conflict, Unavailable
 from app.limits import Hold, Limits
 from app.live import repository
-from app.live.patience import Patience
+from app.live.rights.patience import Patience
+from app.live.rights.questions import RightQuestion
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.side import LiveSide
@@ -91,11 +91,11 @@ class EdgeSide(LiveSide):
         )
         if stored.state not in OPEN or stored.is_ended:
             raise Conflict(say("live.closed"), state=stored.state)
-        may_stream = partial(repository.still_allowed, self.engine, who, stored.id, "record")
+        right = RightQuestion(who, stored.id, "record")
         patience = Patience()
 
         async def check_right() -> None:
-            await patience.wait(self.check(may_stream))
+            await patience.wait(self.check_right(right))
 
         outbox, connection = self._outboxes[self._partition(stored.id)], new_id()
         intake = EdgeIntake(stored.id, connection, declaration, outbox, check_right, self._detach)

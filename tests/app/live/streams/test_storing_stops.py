@@ -20,7 +20,7 @@ from app.edge.readiness import Readiness
 from app.errors import NotAllowed
 from app.gateway import DeviceStream, stream_of
 from app.live.manager import LiveManager
-from app.live.patience import Patience
+from app.live.rights.patience import Patience
 from app.live.session.ledger import NOT_STORED_AFTER_S, SequenceLedger
 from app.recordings.signals.store import read_packets
 from app.services import Services

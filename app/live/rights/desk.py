@@ -1,0 +1,93 @@
+"""Gathers what open sockets ask within a short time and asks the database for all of them at once."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Final
+
+from app.live.rights.questions import RightQuestion
+
+MOST_AT_ONCE: Final = 128
+"""Of one question to the database: it may hold the interpreter for a few milliseconds, no longer."""
+
+AskAll = Callable[[Sequence[RightQuestion]], Awaitable[Sequence[Exception | None]]]
+
+
+class RightsDesk:
+    """Where open sockets ask whether they may go on.
+
+    Parameters
+    ----------
+    ask_all : async callable(questions)
+        Returns for each question what it is refused with, or None; may raise when nothing is known of any.
+    gather_s : callable
+        Returns how long the first of them waits for others, in seconds.
+    """
+
+    def __init__(self, ask_all: AskAll, gather_s: Callable[[], float]) -> None:
+        self._ask_all, self._gather_s = ask_all, gather_s
+        self._waiting: list[tuple[RightQuestion, asyncio.Future[Exception | None]]] = []
+        self._timer: asyncio.TimerHandle | None = None
+        self._asking: set[asyncio.Task[None]] = set()
+
+    async def check(self, question: RightQuestion) -> None:
+        """Return when a socket may go on; raise why it may not.
+
+        Parameters
+        ----------
+        question : RightQuestion
+
+        Raises
+        ------
+        SignInRequired, NotFound, NotAllowed
+            See `app.live.rights.questions`.
+        OperationalError, TimeoutError
+            The database did not answer.
+        """
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[Exception | None] = loop.create_future()
+        self._waiting.append((question, answer))
+        if len(self._waiting) >= MOST_AT_ONCE:
+            self._ask()
+        elif self._timer is None:
+            self._timer = loop.call_later(self._gather_s(), self._ask)
+        refusal = await answer
+        if refusal is not None:
+            raise refusal
+
+    def end(self) -> None:
+        """Answer nobody any more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        for _, answer in self._waiting:
+            answer.cancel()
+        self._waiting.clear()
+
+    def _ask(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        # Who has left meanwhile need not be asked for.
+        waiting = [(question, answer) for question, answer in self._waiting if not answer.done()]
+        self._waiting = []
+        if waiting:
+            task = asyncio.create_task(self._answer(waiting), name="live rights")
+            self._asking.add(task)
+            task.add_done_callback(self._asking.discard)
+
+    async def _answer(self, waiting: list[tuple[RightQuestion, asyncio.Future[Exception | None]]]) -> None:
+        found: Sequence[Exception | None]
+        try:
+            found = await self._ask_all([question for question, _ in waiting])
+        except asyncio.CancelledError:
+            for _, answer in waiting:
+                answer.cancel()
+            raise
+        except Exception as error:
+            found = [error] * len(waiting)
+        for (_, answer), refusal in zip(waiting, found, strict=True):
+            if not answer.done():
+                answer.set_result(refusal)
+
+
+__all__ = ["MOST_AT_ONCE", "RightsDesk"]

@@ -1,0 +1,172 @@
+"""Whether open sockets may stay open: one question to the database for many of them.
+
+Every rule stands where it always stood (`app.patients.access`, `app.accounts`); here the facts of all sockets are read
+together, so that a socket costs its share of seven statements at most.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sqlalchemy import Engine, select
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
+from sqlalchemy.orm import Session
+
+from app.accounts.credentials.sign_in import FoundSignIn, find_sign_ins, first_to_do
+from app.accounts.device_tokens import is_valid
+from app.accounts.models import Account, DeviceToken
+from app.accounts.subject import Subject
+from app.database.unit_of_work import read_only
+from app.errors import NotFound, SignInRequired, TelemotionError
+from app.live.repository import NO_SUCH_SESSION
+from app.patients.access import Asked, Level, refusals
+from app.recordings.models import MotionSession
+from app.sentences import say
+from app.settings import Settings
+
+
+class ShownCookie(NamedTuple):
+    """What a browser showed when it opened a socket, and how long browser sessions last in this service."""
+
+    value: str
+    settings: Settings
+
+
+@dataclass(frozen=True)
+class RightQuestion:
+    """Whether an open socket may stay open.
+
+    Attributes
+    ----------
+    subject : Subject
+        Who opened it.
+    session_id : str
+        Of which session.
+    level : {"status", "read", "record", "treat", "manage", "erase"}
+        What it does with it.
+    cookie : ShownCookie or None
+        Of a browser: the socket ends with its browser session.
+    """
+
+    subject: Subject
+    session_id: str
+    level: Level
+    cookie: ShownCookie | None = None
+
+
+def still_allowed(engine: Engine, question: RightQuestion) -> None:
+    """Check one open socket again: a set of one.
+
+    Parameters
+    ----------
+    engine : Engine
+    question : RightQuestion
+
+    Raises
+    ------
+    SignInRequired
+        The browser session has ended, or account or device are not valid any more.
+    PasswordChangeRequired, SecondFactorRequired
+        As of a request.
+    NotFound, NotAllowed
+        Its right to the patient has gone; see `app.patients.access`.
+    """
+    (refusal,) = answers(engine, [question])
+    if refusal is not None:
+        raise refusal
+
+
+def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[TelemotionError | None]:
+    """Return for each socket why it must end, None while it may go on.
+
+    Parameters
+    ----------
+    engine : Engine
+    questions : sequence of RightQuestion
+
+    Notes
+    -----
+    Seven statements at most, however many sockets: browser sessions, devices, accounts, sessions; then patients, grants
+    and consents.
+    """
+    with read_only(engine) as session:
+        cookies = [one.cookie for one in questions if one.cookie is not None]
+        # All were shown to the same service.
+        sign_ins = (
+            find_sign_ins(session, cookies[0].settings, {one.value for one in cookies}) if cookies else {}
+        )
+        devices = _valid_devices(
+            session, {one.subject.id for one in questions if one.subject.kind == "device"}
+        )
+        accounts = _active(session, {one.subject.id for one in questions if one.subject.kind == "account"})
+        found = session.execute(
+            select(MotionSession.id, MotionSession.patient_id).where(
+                MotionSession.id.in_({one.session_id for one in questions})
+            )
+        )
+        patients = dict(found.all())
+        refused: list[TelemotionError | None] = []
+        left: dict[int, Asked] = {}
+        for number, one in enumerate(questions):
+            refusal = None if one.cookie is None else _ended(sign_ins[one.cookie.value])
+            if refusal is None:
+                refusal = _is_nobody(one.subject, devices, accounts)
+            if refusal is None and one.session_id not in patients:
+                refusal = NotFound(NO_SUCH_SESSION)
+            if refusal is None:
+                left[number] = Asked(one.subject, patients[one.session_id], one.level)
+            refused.append(refusal)
+        for number, lost in zip(left, refusals(session, list(left.values())), strict=True):
+            refused[number] = lost
+        return refused
+
+
+def answers_apart(engine: Engine, questions: Sequence[RightQuestion]) -> list[Exception | None]:
+    """Return the `answers`; what goes wrong with one question is the answer to it alone.
+
+    Raises
+    ------
+    OperationalError, TimeoutError
+        The database does not answer: nothing is known of any of them.
+    """
+    try:
+        return list(answers(engine, questions))
+    except (OperationalError, PoolTimeout):
+        raise
+    except Exception as error:
+        if len(questions) == 1:
+            return [error]
+        return [answer for one in questions for answer in answers_apart(engine, [one])]
+
+
+def _ended(sign_in: FoundSignIn | SignInRequired) -> TelemotionError | None:
+    return sign_in if isinstance(sign_in, SignInRequired) else first_to_do(sign_in)
+
+
+def _is_nobody(
+    subject: Subject, devices: Collection[str], accounts: Collection[str]
+) -> SignInRequired | None:
+    if subject.kind == "device" and subject.id not in devices:
+        return SignInRequired(say("live.token_expired"))
+    if subject.kind == "account" and subject.id not in accounts:
+        return SignInRequired(say("live.account_inactive"))
+    return None
+
+
+def _valid_devices(session: Session, ids: set[str]) -> set[str]:
+    if not ids:
+        return set()
+    rows = session.execute(
+        select(DeviceToken.id, DeviceToken.revoked_at, DeviceToken.expires_at).where(DeviceToken.id.in_(ids))
+    )
+    return {row.id for row in rows if is_valid(row)}
+
+
+def _active(session: Session, ids: set[str]) -> set[str]:
+    if not ids:
+        return set()
+    return set(session.scalars(select(Account.id).where(Account.id.in_(ids), Account.is_active)))
+
+
+__all__ = ["RightQuestion", "ShownCookie", "answers", "answers_apart", "still_allowed"]
