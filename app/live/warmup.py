@@ -90,9 +90,9 @@ def load_or_compile(kind: Kind) -> None:
         return
     except NotCompiled:
         logger.info("compiling for sessions of kind %s", "/".join(kind))
-    # Two at once: the engine's kernels take longer than those of a pipeline.
-    both = [_compile(ENGINE), _compile(*kind)]
-    failed = [one.wait() for one in both]
+    # Two at once: the engine's kernels take nearly as long as those of a pipeline. Guidance needs none of them.
+    started = [_compile(*kind)] if kind == GUIDANCE else [_compile(ENGINE), _compile(*kind)]
+    failed = [one.wait() for one in started]
     if any(failed):
         logger.warning("compiling for sessions of kind %s failed; it is done in this process", "/".join(kind))
     warm_up(kind)

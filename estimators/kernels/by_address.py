@@ -18,7 +18,9 @@ from estimators.compiling import Kernel
 def address_of(kernel: Callable[..., Any]) -> int:
     """Return where a kernel with one signature is in this process, compiled or loaded; for `caller`."""
     made = cast(Kernel, kernel)
-    made.prepare()
+    if not made.overloads:
+        # What is ready is not asked to be: that would wait for whoever compiles something else.
+        made.prepare()
     (found,) = made.overloads.values()
     address = int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
     if not address:

@@ -120,6 +120,8 @@ def test_all_sessions_of_a_partition_are_taken_up_with_a_few_statements_and_ever
         pass
 
     async def story() -> None:
+        # As a worker does before it takes partitions.
+        await shared.readiness.require_guidance()
         before = fenced(database, Fence(0, take_over(database, 0, "first")[0], lambda: None))
         first = LiveManager(before, writer_of(before), MemoryBus(), lambda _: None, limits=limits())
         stayed = await streamed(first, world, stream, 4)

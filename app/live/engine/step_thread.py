@@ -10,6 +10,7 @@ import contextlib
 import ctypes
 import os
 import select
+import sys
 import threading
 import weakref
 from collections.abc import Callable
@@ -180,19 +181,21 @@ class StepThread:
 def _give_way() -> None:
     """Let the event loop go first where both want a core: it holds the interpreter's lock when it asks.
 
-    Woken with equal rights this thread would take the loop's core at the asking, and everything else would wait for it.
+    Woken with the same priority, this thread would take the loop's core, and everything else would wait for it.
     """
+    if sys.platform != "linux":
+        # It ranks single threads; elsewhere all stay equal.
+        return
     own = threading.get_native_id()
-    # Only Linux ranks single threads; elsewhere all stay equal.
-    with contextlib.suppress(OSError, AttributeError):
+    with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, own, os.getpriority(os.PRIO_PROCESS, own) + GIVES_WAY)
 
 
 def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> None:
     requests, answering = int(request[REQUESTS]), int(request[ANSWERS])
     byte = np.zeros(1, dtype=np.uint8)
-    _give_way()
     try:
+        _give_way()
         while True:
             try:
                 take(request, byte)

@@ -96,8 +96,8 @@ export function bodyLength(metres: number | null | undefined): string {
 }
 
 /**
- * A value and its uncertainty in the same digits, without a unit: `9.0` and `0.5`, never `9` and `0.5`. The one rule of
- * all pages and of what is printed. Where the uncertainty would be shown as nothing, both have a digit more; where that
+ * A value and its uncertainty in the same digits, without a unit: `9.0` and `0.5`, never `9` and `0.5`. One rule for
+ * pages and what is printed. Where the uncertainty would be shown as nothing, both have a digit more; where that
  * is not enough, it is said to be below the last digit, as nothing measured is certain.
  */
 export function pair(value: number, uncertainty: number, digits: number): [string, string] {

@@ -232,7 +232,7 @@ def test_who_has_nothing_in_a_turn_does_not_wait_for_it(
 
 
 def test_a_session_that_ends_waits_for_its_own_packets_alone(
-    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: None
 ) -> None:
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)

@@ -159,11 +159,18 @@ def test_only_a_session_that_is_guided_waits_for_guidance_to_be_compiled(
     enter: Enter, engine: Engine, world: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(warmup, "PATIENCE_S", 0.2)
-    may_end = threading.Event()
+    may_end, send_away = threading.Event(), LiveManager._send_away
 
     def prepare(kind: Kind) -> None:
         if kind == GUIDANCE:
             may_end.wait(PATIENCE_S)
+
+    def release(manager: LiveManager, *why: Any) -> None:
+        # The loop ends with its threads: none may wait for long.
+        may_end.set()
+        send_away(manager, *why)
+
+    monkeypatch.setattr(LiveManager, "_send_away", release)
 
     async def is_open(room: Room) -> None:
         assert room.live.id
@@ -171,7 +178,6 @@ def test_only_a_session_that_is_guided_waits_for_guidance_to_be_compiled(
     enter((SOUND, SOUND), is_open, prepare=prepare)
     with pytest.raises(Unavailable, match="prepared"):
         enter((SOUND, SOUND), is_open, prescribe(engine, world), prepare=prepare)
-    may_end.set()
     assert enter((SOUND, SOUND), is_open, prescribe(engine, world), prepare=prepare).desk.message
 
 
