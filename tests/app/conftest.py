@@ -112,6 +112,20 @@ def settings(tmp_path: Path, migrated_file: Path) -> Settings:
 
 
 @pytest.fixture
+def settings_on_postgresql(tmp_path: Path, postgresql_database: Callable[[], str]) -> Settings:
+    """Settings with an own, migrated PostgreSQL database."""
+    url = postgresql_database()
+    migrate.upgrade(url)
+    return Settings(
+        _env_file=None,
+        base_url=BASE_URL,
+        secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
+        database_url=url,
+        data_dir=tmp_path / "var",
+    )
+
+
+@pytest.fixture
 def engine(settings: Settings) -> Iterator[Engine]:
     engine = create_from_url(settings.database_url)
     yield engine

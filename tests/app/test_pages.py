@@ -10,7 +10,6 @@ from sqlalchemy import Engine, delete, event, insert
 from app.accounts import audit
 from app.accounts.models import Account, DeviceToken
 from app.assessment.models import Comparison
-from app.database import migrate
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Template, TemplateVersion
@@ -18,7 +17,7 @@ from app.patients.models import Grant, Patient
 from app.recordings.models import Job, MotionSession, Result
 from app.settings import Settings
 
-from .conftest import BASE_URL, ServiceClient, World
+from .conftest import ServiceClient, World
 
 BEGUN = datetime(2026, 1, 5, 9, 0, tzinfo=UTC)
 ALIKE = 7
@@ -281,16 +280,8 @@ class TestOnPostgreSQL:
     """The same order and the same places where the database compares rows by itself."""
 
     @pytest.fixture
-    def settings(self, tmp_path: Any, postgresql_database: Any) -> Settings:
-        url = postgresql_database()
-        migrate.upgrade(url)
-        return Settings(
-            _env_file=None,
-            base_url=BASE_URL,
-            secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
-            database_url=url,
-            data_dir=tmp_path / "var",
-        )
+    def settings(self, settings_on_postgresql: Settings) -> Settings:
+        return settings_on_postgresql
 
     def test_pages(self, therapist: ServiceClient, engine: Engine, world: World) -> None:
         check_lists(therapist, engine, world)

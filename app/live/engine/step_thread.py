@@ -205,6 +205,7 @@ def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> N
                 request[IS_ANSWERED] = 1
                 os.write(answering, b"\1")
     finally:
+        request[IS_ANSWERED] = 1
         os.close(requests)
         os.close(answering)
 

@@ -12,6 +12,7 @@ import asyncio
 import contextlib
 import logging
 import time
+from collections import Counter
 from collections.abc import Hashable
 from typing import Any, Final
 
@@ -221,11 +222,9 @@ class PooledEngine:
                 pooled[pool].append((one, lane))
             else:
                 pooled[pool] = [(one, lane)]
-        order = {lane: number for number, lane in enumerate(places)}
         for pool, items in pooled.items():
             if len(items) > ITEMS:
-                # The packets of a session one after the other, while the caches hold what they move on.
-                items.sort(key=lambda item: order[item[1]])
+                _put_together(items)
             parts = [items[start : start + ITEMS] for start in range(0, len(items), ITEMS)]
             self._take_parts(pool, parts)
         for one in general:
@@ -272,7 +271,7 @@ class PooledEngine:
     def _watch_answers(self, pool: SessionPool) -> None:
         answers = pool.answers
         if answers is not None and answers not in self._watched:
-            asyncio.get_running_loop().add_reader(answers, self._answered, pool)
+            asyncio.get_running_loop().add_reader(answers, self._end_answered)
             self._watched.add(answers)
 
     def _forget_answers(self, pool: SessionPool) -> None:
@@ -281,20 +280,18 @@ class PooledEngine:
             asyncio.get_running_loop().remove_reader(answers)
             self._watched.discard(answers)
 
-    def _answered(self, pool: SessionPool) -> None:
-        for part in self._open:
-            if part[0] is pool:
-                self._end(part)
-                return
-
     def _end_answered(self) -> None:
-        """End a part whose thread is done: where very many sockets are read it is long until the loop sees its pipe."""
+        """End a part whose thread is done; nobody waits for one that is not.
+
+        Asked when a pipe can be read, and with every packet: where very many sockets are read it is long until the loop
+        sees the pipe, and then the part may have ended and the thread may work on the next.
+        """
         for part in self._open:
             if part[0].has_answered:
                 try:
                     self._end(part)
                 except Exception:
-                    # Whoever has just sent something has nothing to do with it.
+                    # Whoever may just have sent something has nothing to do with it.
                     logger.exception("a part of a turn could not be ended")
                 return
 
@@ -403,6 +400,16 @@ class PooledEngine:
             logger.exception("a packet could not be taken")
             if lane is not None:
                 lane.session.line.stop(error)
+
+
+def _put_together(items: _Items) -> None:
+    """Put the packets of a session one after the other, while the caches hold what they move on; the most come last.
+
+    A gateway that brings much at once after a pause must not hold up those that bring what is new.
+    """
+    counts = Counter(lane for _, lane in items)
+    first = {lane: number for number, lane in enumerate(counts)}
+    items.sort(key=lambda item: (counts[item[1]], first[item[1]]))
 
 
 def _has(part: _Part, lane: Lane) -> bool:

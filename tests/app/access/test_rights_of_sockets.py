@@ -15,7 +15,6 @@ from app.accounts.credentials.sign_in import create_sign_in
 from app.accounts.device_tokens import create_device_token, device_subject
 from app.accounts.models import Account, DeviceToken, SignIn
 from app.accounts.subject import Subject
-from app.database import migrate
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import TelemotionError
@@ -25,7 +24,7 @@ from app.patients.access import Level
 from app.patients.models import Grant, Patient
 from app.recordings.models import MotionSession
 from app.settings import Settings
-from tests.app.conftest import BASE_URL, World
+from tests.app.conftest import World
 
 LEVELS: tuple[Level, ...] = ("status", "read", "record", "treat", "manage", "erase")
 NONE = "patient.not_found"
@@ -329,16 +328,8 @@ def test_rights_are_found_by_an_index(engine: Engine, sessions: Any, subjects: A
 @pytest.mark.postgres
 class TestOnPostgresql:
     @pytest.fixture
-    def settings(self, tmp_path: Any, postgresql_database: Any) -> Settings:
-        url = postgresql_database()
-        migrate.upgrade(url)
-        return Settings(
-            _env_file=None,
-            base_url=BASE_URL,
-            secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
-            database_url=url,
-            data_dir=tmp_path / "var",
-        )
+    def settings(self, settings_on_postgresql: Settings) -> Settings:
+        return settings_on_postgresql
 
     def test_the_table(self, engine: Engine, world: World, sessions: Any, subjects: Any) -> None:
         for state in ("as it was", "patient.no_home_consent", "patient.consent_withdrawn", "archived"):

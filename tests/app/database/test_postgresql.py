@@ -9,29 +9,18 @@ from sqlalchemy.exc import DBAPIError
 from app.accounts import audit
 from app.accounts.credentials.tickets import issue_ticket, redeem_ticket
 from app.accounts.models import Clinic
-from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SignInRequired
 from app.recordings.models import MotionSession
-from app.settings import Settings
 from tests.app.assessment.history import History, reason_declining
-from tests.app.conftest import BASE_URL
 
 pytestmark = pytest.mark.postgres
 
 
 @pytest.fixture
-def settings(tmp_path, postgresql_database):
-    url = postgresql_database()
-    migrate.upgrade(url)
-    return Settings(
-        _env_file=None,
-        base_url=BASE_URL,
-        secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
-        database_url=url,
-        data_dir=tmp_path / "var",
-    )
+def settings(settings_on_postgresql):
+    return settings_on_postgresql
 
 
 @pytest.fixture

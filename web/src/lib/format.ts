@@ -97,15 +97,15 @@ export function bodyLength(metres: number | null | undefined): string {
 
 /**
  * A value and its uncertainty in the same digits, without a unit: `9.0` and `0.5`, never `9` and `0.5`. One rule for
- * pages and what is printed. Where the uncertainty would be shown as nothing, both have a digit more; where that
- * is not enough, it is said to be below the last digit, as nothing measured is certain.
+ * pages and what is printed. Where the uncertainty would be shown as nothing, both have a digit more, and
+ * where that is nothing too it is said to be below that digit, as nothing measured is certain.
  */
 export function pair(value: number, uncertainty: number, digits: number): [string, string] {
   const size = Math.abs(uncertainty);
   const isHidden = (decimals: number) => size > 0 && size < 0.5 * 10 ** -decimals;
   if (!isHidden(digits)) return [number(value, digits), number(size, digits)];
-  if (isHidden(digits + 1)) return [number(value, digits), `< ${number(10 ** -digits, digits)}`];
-  return [number(value, digits + 1), number(size, digits + 1)];
+  const more = digits + 1;
+  return [number(value, more), isHidden(more) ? `< ${number(10 ** -more, more)}` : number(size, more)];
 }
 
 /** A value with its uncertainty, e.g. `87° ± 3` and `9.0° ± 0.5`; without one only the value. */

@@ -40,8 +40,8 @@ describe('numbers', () => {
     expect(uncertain(8, 0.4, '%')).toBe('8.0 % ± 0.4');
     expect(uncertain(8, 0.5, '%')).toBe('8 % ± 1');
     expect(uncertain(-0.9981, 0.0012, '1')).toBe('−0.998 ± 0.001');
-    expect(uncertain(-0.99996, 0.00003, '1')).toBe('−1.00 ± < 0.01');
-    expect(uncertain(9, 0.01, 'deg')).toBe('9° ± < 1');
+    expect(uncertain(-0.99996, 0.00003, '1')).toBe('−1.000 ± < 0.001');
+    expect(uncertain(9, 0.01, 'deg')).toBe('9.0° ± < 0.1');
     expect(pair(-12, -3, 0)).toEqual(['−12', '3']);
   });
   it('keeps a unit it does not know', () => {

@@ -33,9 +33,11 @@ def asked(by_thread: list[int], monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 @pytest.fixture
-def unseen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let whoever offers a packet see no answer, however fast the threads are."""
+def unseen(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """See no answer, however fast the threads are, until what is returned is called."""
+    seen = SessionPool.has_answered
     monkeypatch.setattr(SessionPool, "has_answered", False)
+    return lambda: monkeypatch.setattr(SessionPool, "has_answered", seen)
 
 
 async def begun(manager: LiveManager, world: Any, engine: Engine) -> tuple[Pair, list[bytes]]:
@@ -232,7 +234,7 @@ def test_who_has_nothing_in_a_turn_does_not_wait_for_it(
 
 
 def test_a_session_that_ends_waits_for_its_own_packets_alone(
-    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: None
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: Callable[[], None]
 ) -> None:
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
@@ -254,7 +256,7 @@ def test_a_session_that_ends_waits_for_its_own_packets_alone(
 
 
 def test_the_loop_waits_for_no_thread_to_begin_a_turn_and_none_is_forgotten(
-    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: None
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: Callable[[], None]
 ) -> None:
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
@@ -266,6 +268,7 @@ def test_the_loop_waits_for_no_thread_to_begin_a_turn_and_none_is_forgotten(
         manager.pooled.begin()
         assert asked == [3], "what came since waits until the thread is done"
         assert manager.pooled.take_longest_s() > 0.0
+        unseen()
         await manager.pooled.between_turns()
         assert not manager.pooled._open
         # The next turn begins by itself, without a timer.
@@ -286,7 +289,7 @@ def test_who_waits_between_turns_waits_a_moment_where_there_is_no_such_time(
     monkeypatch.setattr(turns, "PATIENCE_S", 0.01)
 
     async def run() -> None:
-        monkeypatch.setattr(manager.pooled, "_answered", lambda _: None)
+        monkeypatch.setattr(manager.pooled, "_end_answered", lambda: None)
         pair, packets = await begun(manager, world, engine)
         offered(pair, packets[:3])
         manager.pooled.begin()
@@ -304,7 +307,7 @@ def test_a_turn_whose_failure_fails_too_is_followed_by_the_next(
     world: Any,
     engine: Engine,
     asked: list[int],
-    unseen: None,
+    unseen: Callable[[], None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def run() -> None:
