@@ -1,5 +1,6 @@
 """Packets that came one after the other, as they came: what a live session gives to the store many at a time."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -82,14 +83,7 @@ class PacketRun:
 
     def heads(self) -> NDArray[np.int64]:
         """Return what the heads hold, shape (P, HEAD_COLUMNS); a device's clock of 64 bits without its sign."""
-        read = np.frombuffer(b"".join([one[:HEADER_BYTES] for one in self.messages]), HEADER)
-        found = np.empty((len(self.messages), HEAD_COLUMNS), np.int64)
-        found[:, H_SEQUENCE] = np.arange(self.first_sequence, self.stop_sequence)
-        found[:, H_DEVICE_TIME] = read["device_time_us"].view(np.int64)
-        found[:, H_INTERVAL], found[:, H_TICKS] = read["tick_interval_us"], read["tick_count"]
-        found[:, H_FLAGS] = read["flags"]
-        found[:, H_ARRIVAL] = self.arrivals_ns
-        return found
+        return heads_of([self])
 
     def values_per_tick(self) -> int:
         """Return how many numbers a tick has, over all sensors."""
@@ -107,6 +101,32 @@ class PacketRun:
         }
 
 
+def heads_of(runs: Sequence[PacketRun]) -> NDArray[np.int64]:
+    """Return the `PacketRun.heads` of runs below each other: read at once, because most runs are of one packet."""
+    heads = [message[:HEADER_BYTES] for one in runs for message in one.messages]
+    read = np.frombuffer(b"".join(heads), HEADER)
+    found = np.empty((len(heads), HEAD_COLUMNS), np.int64)
+    found[:, H_SEQUENCE] = [number for one in runs for number in range(one.first_sequence, one.stop_sequence)]
+    found[:, H_DEVICE_TIME] = read["device_time_us"].view(np.int64)
+    found[:, H_INTERVAL], found[:, H_TICKS] = read["tick_interval_us"], read["tick_count"]
+    found[:, H_FLAGS] = read["flags"]
+    found[:, H_ARRIVAL] = [arrival_ns for one in runs for arrival_ns in one.arrivals_ns]
+    return found
+
+
+def joined_ranges(runs: Iterable[PacketRun]) -> Iterable[tuple[int, int]]:
+    """Return the sequences of runs, half-open; runs that follow one another as one."""
+    first = stop = -1
+    for one in runs:
+        if one.first_sequence != stop:
+            if stop > first:
+                yield first, stop
+            first = one.first_sequence
+        stop = one.stop_sequence
+    if stop > first:
+        yield first, stop
+
+
 def runs_of(first_sequence: int, messages: list[bytes], arrivals_ns: list[int]) -> list[PacketRun]:
     """Return packets with consecutive sequences as runs of one shape each."""
     shapes = [(len(one), one[_SHAPE]) for one in messages]
@@ -119,4 +139,4 @@ def runs_of(first_sequence: int, messages: list[bytes], arrivals_ns: list[int]) 
     ]
 
 
-__all__ = ["HEAD_COLUMNS", "H_ARRIVAL", "H_TICKS", "PacketRun", "runs_of"]
+__all__ = ["HEAD_COLUMNS", "H_ARRIVAL", "H_TICKS", "PacketRun", "heads_of", "joined_ranges", "runs_of"]

@@ -16,7 +16,15 @@ from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.network.packet import HEADER_BYTES
-from app.network.packet_run import H_ARRIVAL, H_SEQUENCE, H_TICKS, HEAD_COLUMNS, PacketRun
+from app.network.packet_run import (
+    H_ARRIVAL,
+    H_SEQUENCE,
+    H_TICKS,
+    HEAD_COLUMNS,
+    PacketRun,
+    heads_of,
+    joined_ranges,
+)
 from app.network.ranges import SequenceRanges, ranges_of
 from app.network.raw_packet import COUNTS, WIDTH, RawPacket
 from app.recordings.models import SignalChunk
@@ -86,10 +94,9 @@ def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
 
 def encode_runs(runs: Sequence[PacketRun]) -> EncodedChunk:
     """Encode runs of one shape, in the given order, as one chunk: the same as of their packets."""
-    ranges = SequenceRanges((one.first_sequence, one.stop_sequence) for one in runs)
+    ranges = SequenceRanges(joined_ranges(runs))
     payload = [message[HEADER_BYTES:] for one in runs for message in one.messages]
-    heads = np.concatenate([one.heads() for one in runs])
-    return _encoded(heads, payload, list(ranges), runs[0].described())
+    return _encoded(heads_of(runs), payload, list(ranges), runs[0].described())
 
 
 def _encoded(

@@ -16,7 +16,10 @@ from app.recordings.signals.chunks import encode_packets, encode_runs
 from app.recordings.signals.group_commit import CHUNK_S, GroupCommitWriter
 from app.recordings.signals.store import read_packets
 from estimators.channels import Channel
+from tests.app.recordings.storage.test_writer_counts import calls_of
 
+RUNS_CALLS = 125
+"""Of one chunk of 20 runs of one packet."""
 MOTION = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER
 
 
@@ -56,6 +59,22 @@ def test_runs_and_packets_give_the_same_chunk(is_float: bool) -> None:
     parts = [PacketRun(n, sent[n : n + 4], arrivals(20)[n : n + 4]) for n in range(0, 20, 4)]
     assert [packet for run in parts for packet in run.packets()] == raw(sent)
     assert encode_runs(parts) == encode_packets(raw(sent))
+
+
+@pytest.mark.parametrize(
+    "cuts", [[(n, n + 1) for n in range(20)], [(0, 3), (5, 6), (6, 20)], [(9, 20), (2, 5), (5, 6)]]
+)
+def test_runs_of_any_length_with_gaps_and_out_of_order_are_one_chunk(cuts: list[tuple[int, int]]) -> None:
+    sent, came = messages(20), arrivals(20)
+    parts = [PacketRun(n, sent[n:stop], came[n:stop]) for n, stop in cuts]
+    assert encode_runs(parts) == encode_packets([packet for run in parts for packet in run.packets()])
+
+
+def test_a_second_of_single_packets_calls_little() -> None:
+    """Most runs are of one packet: heads are read at once, not run by run."""
+    sent, came = messages(20), arrivals(20)
+    parts = [PacketRun(n, sent[n : n + 1], came[n : n + 1]) for n in range(20)]
+    assert calls_of(lambda: encode_runs(parts)) < 1.1 * RUNS_CALLS
 
 
 def test_a_run_has_one_shape() -> None:
