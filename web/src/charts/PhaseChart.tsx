@@ -87,7 +87,7 @@ function paintOutside(plot: uPlot, drawn: Drawn): void {
   ctx.restore();
 }
 
-/** Write the names of the phases along the upper edge, with a dotted line where each begins. */
+/** Write the names of the phases above the upper edge, where no curve crosses them, with a dotted line where each begins. */
 function paintPhases(plot: uPlot, phases: readonly PhaseDesign[]): void {
   const { ctx, bbox } = plot;
   const ratio = window.devicePixelRatio || 1;
@@ -105,7 +105,7 @@ function paintPhases(plot: uPlot, phases: readonly PhaseDesign[]): void {
       ctx.lineTo(from, bbox.top + bbox.height);
       ctx.stroke();
     }
-    ctx.fillText(name, (from + until) / 2, bbox.top + 14 * ratio, until - from - 6 * ratio);
+    ctx.fillText(name, (from + until) / 2, bbox.top - 7 * ratio, until - from - 6 * ratio);
   }
   ctx.restore();
 }
@@ -148,6 +148,7 @@ export function PhaseChart({
   const count = curve.repetitions.length;
   const scaled = unit.factor;
   const isClickable = onPhase !== undefined;
+  const hasPhases = phases.length > 0;
   // The description follows what is drawn strongest, so a choice redraws the chart.
   const sign = `${selected ?? 'all'}/${[...left].join(',')}`;
   const options = useMemo<PlotOptions>(() => {
@@ -155,7 +156,7 @@ export function PhaseChart({
     return {
       cursor: { show: isClickable, x: true, y: false, points: { show: false }, drag: { x: false, y: false } },
       legend: { show: false },
-      padding: [10, 24, 0, 0],
+      padding: [hasPhases ? 28 : 10, 24, 0, 0],
       scales: {
         x: { time: false, range: [0, 100] },
         y: {
@@ -202,7 +203,7 @@ export function PhaseChart({
           : [],
       },
     };
-  }, [count, isClickable, scaled, unit, sign]);
+  }, [count, hasPhases, isClickable, scaled, unit, sign]);
 
   const data = useMemo<uPlot.AlignedData>(() => {
     const show = (values: readonly (number | null)[]) =>

@@ -31,9 +31,11 @@ export function changeText({
   return isReal ? t('progress.changeReal', words) : t('progress.changeNotReal', words);
 }
 
-/** The same of all sessions of a measure. */
-export const verdictOf = (measure: ProgressMeasure): string =>
-  changeText({ ...measure, limit: measure.minimal_detectable_change, baseline: measure.baseline_sessions });
+/** The same of the newest session of a measure, whose value stands beside it, as its report has it. */
+export function verdictOf({ points, unit, minimal_detectable_change, baseline_sessions }: ProgressMeasure): string {
+  const { change, is_real_change } = points.at(-1) ?? {};
+  return changeText({ change, is_real_change, unit, limit: minimal_detectable_change, baseline: baseline_sessions });
+}
 
 /** The other side, and published values: across the whole picture, behind everything else. */
 function across(plot: uPlot, bands: ProgressMeasure['bands'], factor: number): void {

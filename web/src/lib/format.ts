@@ -199,6 +199,7 @@ export function duration(seconds: number): string {
   const whole = Math.round(seconds);
   if (whole < 60) return t('time.seconds', { seconds: whole });
   const minutes = Math.floor(whole / 60);
+  if (whole === minutes * 60) return t('time.wholeMinutes', { minutes });
   return t('time.minutes', { minutes, seconds: whole - minutes * 60 });
 }
 

@@ -36,6 +36,7 @@ const ALIKE = new Set([
   'cm',
   'mm',
   '{minutes} min {seconds} s',
+  '{minutes} min',
   '{title}, live',
   '± (mm)',
 ]);

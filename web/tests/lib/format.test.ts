@@ -85,6 +85,7 @@ describe('times', () => {
   it('writes lengths in words', () => {
     expect(duration(45.2)).toBe('45 s');
     expect(duration(250)).toBe('4 min 10 s');
+    expect(duration(240)).toBe('4 min');
   });
 });
 

@@ -73,6 +73,7 @@ export const common: Translated<typeof english> = {
   'time.daysAgo': { one: 'vor {count} Tag', other: 'vor {count} Tagen' },
   'time.seconds': '{seconds} s',
   'time.minutes': '{minutes} min {seconds} s',
+  'time.wholeMinutes': '{minutes} min',
 
   'trend.none': 'Noch keine Sitzungen',
   'trend.summary': '{label}: {count} Sitzungen, von {first} bis {last}',

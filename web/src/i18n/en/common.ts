@@ -67,6 +67,7 @@ export const common = {
   'time.daysAgo': { one: '{count} day ago', other: '{count} days ago' },
   'time.seconds': '{seconds} s',
   'time.minutes': '{minutes} min {seconds} s',
+  'time.wholeMinutes': '{minutes} min',
 
   'trend.none': 'No sessions yet',
   'trend.summary': '{label}: {count} sessions, from {first} to {last}',

@@ -10,6 +10,9 @@ export interface CourseRow {
   newest: number;
   newestCount: number;
   sessions: number;
+  /** Of the newest session against the baseline, as the report of that session has it: what the two values beside it give. */
+  change: number | null;
+  isReal: boolean | null;
 }
 
 const MOST_ROWS = 9;
@@ -17,7 +20,7 @@ const MOST_ROWS = 9;
 /** What is said first: the main measure as it comes, then compensation, then whatever changed for sure. */
 export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROWS): CourseRow[] {
   const rank = (one: ProgressMeasure, index: number) =>
-    index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : one.is_real_change ? 2 : 3;
+    index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : one.points.at(-1)?.is_real_change ? 2 : 3;
   return measures
     .filter((one) => one.points.length > 0)
     .map((measure, index) => ({ measure, rank: rank(measure, index), index }))
@@ -33,6 +36,8 @@ export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROW
         newest: last?.value ?? NaN,
         newestCount: last?.count ?? 0,
         sessions: measure.points.length,
+        change: last?.change ?? null,
+        isReal: last?.is_real_change ?? null,
       };
     });
 }

@@ -23,7 +23,7 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={measure.is_real_change ? 'strong' : 'muted'}>{verdictOf(measure)}</p>
+        <p className={measure.points.at(-1)?.is_real_change ? 'strong' : 'muted'}>{verdictOf(measure)}</p>
       </div>
       {measure.points.length > 1 ? (
         <ProgressChart measure={measure} events={events} />

@@ -9,13 +9,14 @@ import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
-import { outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
+import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import { BASELINE } from '../../lib/assessment/baseline';
 import { courseRows, type CourseRow } from '../../lib/assessment/course';
 import { activeText } from '../../lib/assessment/practice';
 import { date, difference, number, quantity, span } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { CourseWords } from './CourseWords';
+import { PhaseLegend } from './PhaseLegend';
 import { Sheet } from './Sheet';
 
 const EPOCH = new Date(0);
@@ -26,12 +27,12 @@ interface CourseProps {
   progress: Progress;
 }
 
-function verdict({ measure }: CourseRow): string {
+function verdict({ measure, change: moved, isReal }: CourseRow): string {
   if (measure.baseline_sessions < BASELINE) return t('course.few', { count: measure.baseline_sessions, of: BASELINE });
-  if (typeof measure.change !== 'number') return t('report.unjudged');
-  const change = difference(measure.change, measure.unit);
-  if (typeof measure.is_real_change !== 'boolean') return change;
-  return `${change}, ${t(measure.is_real_change ? 'course.real' : 'course.chance')}`;
+  if (moved === null) return t('report.unjudged');
+  const change = difference(moved, measure.unit);
+  if (isReal === null) return change;
+  return `${change}, ${t(isReal ? 'course.real' : 'course.chance')}`;
 }
 
 function Rows({ rows }: { rows: CourseRow[] }) {
@@ -62,7 +63,7 @@ function Rows({ rows }: { rows: CourseRow[] }) {
                 <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
               </span>
             </td>
-            <td className={row.measure.is_real_change ? 'strong' : ''} data-label={t('course.change')}>
+            <td className={row.isReal ? 'strong' : ''} data-label={t('course.change')}>
               {verdict(row)}
             </td>
             <td className="number" data-label={t('course.limit')}>
@@ -184,7 +185,7 @@ function Curves({ patient, course }: Omit<CourseProps, 'progress'>) {
   const words = isOne ? (['course.newest'] as const) : (['course.first', 'course.newest'] as const);
   return (
     <Sheet title={t('course.curves')} number={2} patient={patient} version={course.service_version}>
-      <p className="paper-note">{t('report.legendOutside')}</p>
+      <PhaseLegend lines={t(ends.some(isOfStrides) ? 'course.legendStrides' : 'course.legendRepetitions')} />
       <div className="paper-ends">
         {ends.map((one, index) => (
           <Ends

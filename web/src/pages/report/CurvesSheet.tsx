@@ -1,9 +1,9 @@
-import { LegendRow, LegendStroke } from '../../charts/Legend';
 import type { ComparisonDetail } from '../../api/types';
 import { PaperPhases } from '../../charts/PaperChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
+import { PhaseLegend } from './PhaseLegend';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
@@ -22,33 +22,11 @@ export function CurvesSheet({
   const curves = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length).slice(0, MOST_CURVES);
   return (
     <Sheet title={t('report.curves')} number={page} session={session} patient={patient}>
-      <ul className="paper-legend plain-list">
-        <LegendRow
-          sign={
-            <>
-              <rect className="paper-band" width="34" height="14" />
-              <path className="paper-template" d="M0 7h34" />
-            </>
-          }
-        >
-          {t('phase.legendTemplate')}
-        </LegendRow>
-        <LegendStroke className="paper-line paper-line-strong">
-          {t(isOfStrides(comparison) ? 'report.legendStrides' : 'report.legendRepetitions', {
-            count: comparison.repetition_count,
-          })}
-        </LegendStroke>
-        <LegendRow
-          sign={
-            <>
-              <path className="paper-outside" d="M0 4h34" />
-              <path className="paper-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
-            </>
-          }
-        >
-          {t('report.legendOutside')}
-        </LegendRow>
-      </ul>
+      <PhaseLegend
+        lines={t(isOfStrides(comparison) ? 'report.legendStrides' : 'report.legendRepetitions', {
+          count: comparison.repetition_count,
+        })}
+      />
       <div className="paper-curves">
         {curves.map((curve) => {
           const stretches = outsideOf(comparison, curve.channel);

@@ -34,12 +34,26 @@ const measure = (name: string, values: number[], change: Partial<ProgressMeasure
   ...change,
 });
 
+/** A measure whose newest session differs by so much from the first three. */
+const moved = (
+  name: string,
+  values: number[],
+  change: number,
+  isReal: boolean,
+  more: Partial<ProgressMeasure> = {},
+): ProgressMeasure => {
+  const made = measure(name, values, more);
+  const last = made.points.at(-1);
+  if (last) Object.assign(last, { change, is_real_change: isReal });
+  return made;
+};
+
 describe('rows of a course', () => {
   it('begin with the main measure, then compensation, then what changed for sure', () => {
     const rows = courseRows([
       measure('range:a', [50, 54, 52, 64]),
       measure('duration', [3, 3, 3, 3]),
-      measure('spectral', [1, 2, 3, 9], { is_real_change: true }),
+      moved('spectral', [1, 2, 3, 9], 7, true),
       measure('compensation:trunk', [9, 9, 9, 4]),
       measure('empty', []),
     ]);
@@ -75,11 +89,8 @@ const answers = {
   '/api/patients/p/progress?exercise_id=e': {
     exercise_id: 'e',
     measures: [
-      measure('Elbow range', [50, 54, 52, 64], {
-        change: 12,
-        minimal_detectable_change: 9.94,
-        is_real_change: true,
-      }),
+      // The mean of the last sessions is another number: the report of a course compares the newest session, as its own report does.
+      moved('Elbow range', [50, 54, 52, 58, 64], 12, true, { change: 9, minimal_detectable_change: 9.94 }),
       measure('Duration', [3, 4]),
     ],
     events: [{ at: '2026-02-01T10:00:00Z', kind: 'pain', text: 'Stopped because it hurt' }],

@@ -23,9 +23,26 @@ describe('the verdict on a change', () => {
     expect(verdictOf(measure({ baseline_sessions: 2 }))).toMatch(/^Too few sessions .*: 2 of 3 for the baseline/);
     expect(verdictOf(measure({}))).toMatch(/^Not enough sessions/);
   });
-  it('judges by the minimal detectable change', () => {
+  it('judges the newest session, whose value stands beside it, by the minimal detectable change', () => {
+    const newest = {
+      session_id: 's',
+      at: '2026-04-01T10:00:00Z',
+      value: 64,
+      low: 62,
+      high: 66,
+      count: 8,
+      orientation: 'telemotion 9',
+      template_version_id: null,
+    };
     const judged = (isReal: boolean) =>
-      verdictOf(measure({ change: 12, minimal_detectable_change: 9.9, is_real_change: isReal }));
+      verdictOf(
+        measure({
+          points: [{ ...newest, change: 12, is_real_change: isReal }],
+          change: 8,
+          minimal_detectable_change: 9.9,
+          is_real_change: false,
+        }),
+      );
     expect(judged(true)).toBe(
       '+12° against the first three sessions: a real change, larger than the minimal detectable change of 10°.',
     );

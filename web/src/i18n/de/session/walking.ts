@@ -86,6 +86,7 @@ export const walking: Translated<typeof english> = {
   'measure.stride_time_variation': 'Schwankung der Doppelschrittdauer',
   'measure.double_support': 'Beide Füße am Boden, je Schritt',
   'measure.double_support_share': 'Beide Füße am Boden, Anteil am Doppelschritt',
+  'measure.walk_ratio': 'Schrittlänge durch Schritte pro Sekunde (Gangverhältnis)',
   'measure.step_width': 'Schrittbreite',
   'measure.step_length_left': 'Schrittlänge, linker Fuß vorn',
   'measure.step_length_right': 'Schrittlänge, rechter Fuß vorn',

@@ -83,6 +83,7 @@ export const walking = {
   'measure.stride_time_variation': 'Variation of stride time',
   'measure.double_support': 'Both feet on the ground, each step',
   'measure.double_support_share': 'Both feet on the ground, part of the stride',
+  'measure.walk_ratio': 'Step length over steps a second (walk ratio)',
   'measure.step_width': 'Step width',
   'measure.step_length_left': 'Step length, left foot forward',
   'measure.step_length_right': 'Step length, right foot forward',

@@ -15,7 +15,7 @@ import { Answer } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
 import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
-import { dateTime, number, quantity } from '../../../lib/format';
+import { dateTime, displayUnit, number, quantity } from '../../../lib/format';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
 import { CurvesSheet } from '../../../pages/report/CurvesSheet';
 import { Sheet } from '../../../pages/report/Sheet';
@@ -201,7 +201,10 @@ function Curves({ session, patient, gait, names }: Walked & { names: readonly Cy
       <div className="paper-curves">
         {names.map((name) => (
           <figure key={name} className="paper-figure">
-            <figcaption>{t(`cycle.${name}`)}</figcaption>
+            <figcaption>
+              {t(`cycle.${name}`)}
+              <span className="paper-unit"> {displayUnit((of('left', name) ?? of('right', name))?.unit).suffix}</span>
+            </figcaption>
             <PaperCycle name={t(`cycle.${name}`)} left={of('left', name)} right={of('right', name)} />
           </figure>
         ))}
