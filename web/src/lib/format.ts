@@ -35,6 +35,12 @@ export function displayUnit(unit: string | null | undefined): DisplayUnit {
   return UNITS[name] ?? { factor: 1, suffix: name ? ` ${name}` : '', digits: 2 };
 }
 
+/** The name of a curve on paper with the unit of its axis, e.g. `Height (cm)`; degrees stand at each number already. */
+export function withUnit(name: string, unit: string | null | undefined): string {
+  const suffix = displayUnit(unit).suffix.trim();
+  return suffix === '' || suffix === '°' ? name : `${name} (${suffix})`;
+}
+
 /** A number at an axis, never without its unit. */
 export function tick(value: number, unit: DisplayUnit): string {
   return `${plainTick(value, 2)}${unit.suffix}`;

@@ -13,7 +13,7 @@ import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/as
 import { BASELINE } from '../../lib/assessment/baseline';
 import { courseRows, type CourseRow } from '../../lib/assessment/course';
 import { activeText } from '../../lib/assessment/practice';
-import { date, difference, number, quantity, span } from '../../lib/format';
+import { date, difference, number, quantity, span, withUnit } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { CourseWords } from './CourseWords';
 import { PhaseLegend } from './PhaseLegend';
@@ -57,18 +57,16 @@ function Rows({ rows }: { rows: CourseRow[] }) {
             <td className="number" data-label={t('course.baseline')}>
               {quantity(row.baseline, row.measure.unit)}
             </td>
-            <td className="number" data-label={t('course.newestValue')}>
+            <td data-label={t('course.newestValue')}>
               <span>
-                {quantity(row.newest, row.measure.unit)}{' '}
+                <span className="number">{quantity(row.newest, row.measure.unit)}</span>{' '}
                 <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
               </span>
             </td>
             <td className={row.isReal ? 'strong' : ''} data-label={t('course.change')}>
               {verdict(row)}
             </td>
-            <td className="number" data-label={t('course.limit')}>
-              {span(row.measure.minimal_detectable_change, row.measure.unit)}
-            </td>
+            <td data-label={t('course.limit')}>{span(row.measure.minimal_detectable_change, row.measure.unit)}</td>
             <td className="number" data-label={t('course.n')}>
               {number(row.sessions)}
             </td>
@@ -120,7 +118,7 @@ function Summary({ patient, course, progress }: CourseProps) {
       <CourseWords patient={patient} course={course} />
       {main && main.points.length > 1 && (
         <figure className="paper-figure">
-          <figcaption>{main.label}</figcaption>
+          <figcaption>{withUnit(main.label, main.unit)}</figcaption>
           <PaperProgress measure={main} sessionId={main.points.at(-1)?.session_id ?? ''} />
           {main.bands.map((band) => (
             <p key={band.kind} className="paper-note">
@@ -160,7 +158,7 @@ function Ends({ comparison, title, curves: most }: { comparison: ComparisonDetai
       </h3>
       {curves.map((curve) => (
         <figure key={curve.channel} className="paper-figure">
-          <figcaption>{curve.label}</figcaption>
+          <figcaption>{withUnit(curve.label, curve.unit)}</figcaption>
           <PaperPhases curve={curve} left={left} outside={outsideOf(comparison, curve.channel)} />
         </figure>
       ))}

@@ -3,6 +3,7 @@ import { PaperPhases } from '../../charts/PaperChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
+import { withUnit } from '../../lib/format';
 import { PhaseLegend } from './PhaseLegend';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
@@ -35,7 +36,7 @@ export function CurvesSheet({
           return (
             <figure key={curve.channel} className="paper-figure">
               <figcaption>
-                {curve.label}
+                {withUnit(curve.label, curve.unit)}
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
               <PaperPhases curve={curve} left={left} outside={stretches} phases={comparison.phases} />

@@ -3,7 +3,7 @@ import { PaperProgress } from '../../charts/PaperChart';
 import { changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
-import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
+import { dateTime, difference, duration, quantity, uncertain, withUnit } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
 import { BASELINE } from '../../lib/assessment/baseline';
 import { repetitionsText, reportRows } from '../../lib/assessment/report';
@@ -106,7 +106,7 @@ export function SummarySheet(props: ReportProps) {
       {!comparison && <p>{t('report.notCompared')}</p>}
       {main && main.points.length > 1 && (
         <figure className="paper-figure">
-          <figcaption>{t('report.overTime', { label: main.label })}</figcaption>
+          <figcaption>{t('report.overTime', { label: withUnit(main.label, main.unit) })}</figcaption>
           <PaperProgress measure={main} sessionId={session.id} />
         </figure>
       )}

@@ -150,4 +150,29 @@ describe('the report of a walk', () => {
     });
     expect(found.violations.map((one) => one.id)).toEqual([]);
   });
+
+  it('has no column of changes for one of the first three walks, and units beside its curves', async () => {
+    const progress = ANSWERS['/api/patients/p/progress?exercise_id=e'];
+    renderPage(<ReportPage />, {
+      at: '/sessions/s/report',
+      path: '/sessions/:sessionId/report',
+      answers: {
+        ...ANSWERS,
+        '/api/sessions/s/gait': {
+          ...WALK,
+          feet: WALK.feet.map((one) => ({ ...one, curves: [{ ...curve(0.1), name: 'height' as const, unit: 'm' }] })),
+        },
+        '/api/patients/p/progress?exercise_id=e': {
+          ...progress,
+          measures: progress.measures.map((one) => ({ ...one, points: [point('s', 1, 0.7), point('b', 2, 0.8)] })),
+        },
+      },
+    });
+    expect(await screen.findByText('0.70 m/s')).toBeTruthy();
+    expect(screen.queryByText('This walk against the first three')).toBeNull();
+    expect(screen.queryByText(/one of the first three/)).toBeNull();
+    expect(screen.getByText('Height of the foot (cm)')).toBeTruthy();
+    expect(screen.getByText(/^Walking speed, left \(m\/s\), over the sessions/)).toBeTruthy();
+    expect(screen.getByText(/foot tracking \(version 1\)/)).toBeTruthy();
+  });
 });

@@ -13,9 +13,10 @@ import type {
 import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
 import { Answer } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
-import { t } from '../../../i18n';
+import { t, tOr } from '../../../i18n';
+import { BASELINE } from '../../../lib/assessment/baseline';
 import { placementLabel } from '../../../lib/channels';
-import { dateTime, displayUnit, number, quantity } from '../../../lib/format';
+import { dateTime, number, quantity, withUnit } from '../../../lib/format';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
 import { CurvesSheet } from '../../../pages/report/CurvesSheet';
 import { Sheet } from '../../../pages/report/Sheet';
@@ -57,6 +58,8 @@ function Summary({
   const counted = findMeasure(gait.feet[0]?.measures, 'stride_length')?.count ?? 0;
   const reasons = [...(test?.reasons ?? []), ...gait.reasons];
   const both = [...gait.both, ...(gait.balance?.measures ?? [])];
+  // Of one of the first three walks no row has a change: what stands above says so once.
+  const hasChanges = measures.some((one) => one.points.findIndex((at) => at.session_id === session.id) >= BASELINE);
   return (
     <Sheet title={t('walkReport.title')} number={1} session={session} patient={patient}>
       <dl className="paper-facts">
@@ -101,7 +104,7 @@ function Summary({
       )}
       {main && main.points.length > 1 && (
         <figure className="paper-figure">
-          <figcaption>{t('report.overTime', { label: main.label })}</figcaption>
+          <figcaption>{t('report.overTime', { label: withUnit(main.label, main.unit) })}</figcaption>
           <PaperProgress measure={main} sessionId={session.id} />
         </figure>
       )}
@@ -116,7 +119,7 @@ function Summary({
               </th>
             ))}
             <th scope="col">{t('numbers.difference')}</th>
-            <th scope="col">{t('walkReport.change')}</th>
+            {hasChanges && <th scope="col">{t('walkReport.change')}</th>}
           </tr>
         </thead>
         <tbody>
@@ -131,12 +134,14 @@ function Summary({
               <td className="number" data-label={t('numbers.difference')}>
                 {shown(findMeasure(gait.asymmetry, name))}
               </td>
-              <td data-label={t('walkReport.change')}>
-                {SIDES.flatMap((side) => {
-                  const over = overTime(measures, `${name}:${side}`);
-                  return over ? [`${t(`numbers.${side}`)}: ${moved(over, session.id)}`] : [];
-                }).join('; ') || '–'}
-              </td>
+              {hasChanges && (
+                <td data-label={t('walkReport.change')}>
+                  {SIDES.flatMap((side) => {
+                    const over = overTime(measures, `${name}:${side}`);
+                    return over ? [`${t(`numbers.${side}`)}: ${moved(over, session.id)}`] : [];
+                  }).join('; ') || '–'}
+                </td>
+              )}
             </tr>
           ))}
         </tbody>
@@ -148,7 +153,7 @@ function Summary({
             <tr>
               <th scope="col">{t('numbers.measure')}</th>
               <th scope="col">{t('walkReport.value')}</th>
-              <th scope="col">{t('walkReport.change')}</th>
+              {hasChanges && <th scope="col">{t('walkReport.change')}</th>}
             </tr>
           </thead>
           <tbody>
@@ -158,7 +163,9 @@ function Summary({
                 <td className="number" data-label={t('walkReport.value')}>
                   {shown(one)}
                 </td>
-                <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
+                {hasChanges && (
+                  <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
+                )}
               </tr>
             ))}
           </tbody>
@@ -201,10 +208,7 @@ function Curves({ session, patient, gait, names }: Walked & { names: readonly Cy
       <div className="paper-curves">
         {names.map((name) => (
           <figure key={name} className="paper-figure">
-            <figcaption>
-              {t(`cycle.${name}`)}
-              <span className="paper-unit"> {displayUnit((of('left', name) ?? of('right', name))?.unit).suffix}</span>
-            </figcaption>
+            <figcaption>{withUnit(t(`cycle.${name}`), (of('left', name) ?? of('right', name))?.unit)}</figcaption>
             <PaperCycle name={t(`cycle.${name}`)} left={of('left', name)} right={of('right', name)} />
           </figure>
         ))}
@@ -220,7 +224,9 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
   const all = session.packets_stored + session.packets_missing;
   const strides = gait.feet.flatMap((foot) => foot.strides);
   const count = (kind: string) => session.events.filter((event) => event.kind === kind).length;
-  const title = estimators.data?.find((one) => one.name === result.orientation)?.title ?? result.orientation;
+  const title =
+    estimators.data?.find((one) => one.name === result.orientation)?.title ??
+    tOr(`walkReport.method.${result.orientation}`, result.orientation);
   const apart = balance
     ? t(`walkReport.apart.${balance.apart_source}`, { apart: quantity(balance.apart_m, 'm') })
     : t(gait.has_step_width ? 'walkReport.apart.known' : 'walkReport.apart.unknown');
