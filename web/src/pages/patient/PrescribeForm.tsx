@@ -69,6 +69,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         required
         withAsterisk={false}
         searchable
+        openOnFocus={false}
         data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))}
         value={exerciseId}
         onChange={(value) => {

@@ -1,4 +1,4 @@
-import { screen, waitFor, within } from '@testing-library/react';
+import { act, screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, expect, it, vi } from 'vitest';
@@ -38,7 +38,11 @@ it('prescribes days, times, a wider band and a limit', async () => {
       'POST /api/patients/p/prescriptions': [201, {}],
     },
   });
-  await userEvent.click(screen.getByRole('combobox', { name: 'Exercise' }));
+  // A dialog puts the cursor there: the list of exercises must not cover it before it is asked for.
+  const field = screen.getByRole('combobox', { name: 'Exercise' });
+  act(() => field.focus());
+  expect(field.getAttribute('aria-expanded')).toBe('false');
+  await userEvent.click(field);
   await userEvent.click(await screen.findByRole('option', { name: 'Raise the arm', hidden: true }));
   expect(screen.getByRole('textbox', { name: 'Times per week' })).toBeTruthy();
   for (const day of ['Mon', 'Wed', 'Fri']) await userEvent.click(screen.getByRole('checkbox', { name: day }));
