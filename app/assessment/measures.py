@@ -63,7 +63,7 @@ class Change:
     Attributes
     ----------
     difference : float or None
-        Mean of the later sessions minus mean of the baseline; None without a baseline or a later session.
+        What is compared minus the mean of what it is compared with; None where there is none of either.
     minimal_detectable : float or None
         Smallest difference from the baseline that is unlikely to be chance; None without a baseline.
     """
@@ -261,21 +261,6 @@ def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
     """
     limit = detectable_change([value.mean for value in baseline])
     return limit if math.isfinite(limit) else None
-
-
-def change(values: Sequence[SessionValue]) -> Change:
-    """Compare the last sessions, at most three, with the first three.
-
-    Parameters
-    ----------
-    values : sequence of SessionValue
-        Of one measure, oldest first.
-    """
-    first, later = values[:BASELINE], values[BASELINE:][-BASELINE:]
-    limit = minimal_detectable_change(first)
-    if limit is None or not later:
-        return Change(None, limit)
-    return Change(_mean(later) - _mean(first), limit)
 
 
 def recent_change(values: Sequence[SessionValue]) -> Change:

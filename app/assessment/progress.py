@@ -17,7 +17,7 @@ from app.assessment.measures import (
     BASELINE,
     Change,
     SessionValue,
-    change,
+    minimal_detectable_change,
     pooled_spread,
     session_changes,
     session_values,
@@ -126,7 +126,6 @@ def _measure(
     others: Mapping[str, SessionValue],
     label: str | None = None,
 ) -> ProgressMeasure:
-    moved = change(values)
     pooled = pooled_spread(values)
     return ProgressMeasure(
         measure=values[0].measure,
@@ -135,9 +134,7 @@ def _measure(
         points=[
             _point(value, pooled, one) for value, one in zip(values, session_changes(values), strict=True)
         ],
-        change=moved.difference,
-        minimal_detectable_change=moved.minimal_detectable,
-        is_real_change=moved.is_real,
+        minimal_detectable_change=minimal_detectable_change(values[:BASELINE]),
         baseline_sessions=min(len(values), BASELINE),
         bands=bands_of(patient, values[-1], others),
     )

@@ -211,12 +211,8 @@ class ProgressMeasure(Schema):
     label: str
     unit: str
     points: list[ProgressPoint]
-    change: float | None
-    """The later sessions, at most the last three, against the first three; None with fewer than four."""
     minimal_detectable_change: float | None
     """At 95 percent, of test and retest, from the spread between the baseline sessions; None before there are three."""
-    is_real_change: bool | None
-    """None while there are too few sessions to tell."""
     baseline_sessions: int
     """Of the first three, those that there are: fewer than three are too few to tell a change from chance."""
     bands: list[ProgressBand]

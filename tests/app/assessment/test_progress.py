@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.assessment import caseload
-from app.assessment.measures import change, minimal_detectable_change, session_changes, session_values
+from app.assessment.measures import minimal_detectable_change, session_changes, session_values
 from app.assessment.practice import Done, adherence
 from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
@@ -52,19 +52,17 @@ def test_detectable_change_follows_its_formula(history):
     assert minimal_detectable_change(baseline) == pytest.approx(9.94, abs=0.005)
 
 
-def test_change_is_last_three_against_first_three(history):
-    means = [1.0, 1.05, 1.1, 5.0, 1.7, 1.8, 1.9]
-    for age, mean in zip(range(7, 0, -1), means, strict=True):
+def test_each_session_is_compared_with_the_first_three(history):
+    means = [1.0, 1.05, 1.1, 5.0, 1.7, 1.8]
+    for age, mean in zip(range(6, 0, -1), means, strict=True):
         history.session(age, [mean - 0.01, mean + 0.01])
     values = values_of(history)
-    moved = change(values)
-    assert moved.difference == pytest.approx(0.75)
-    assert moved.is_real is True
-    assert change(values[:4]).difference == pytest.approx(3.95), "the fourth against the first three"
-    for few in (1, 2, 3):
-        assert (change(values[:few]).difference, change(values[:few]).is_real) == (None, None)
-    assert session_changes(values)[5].difference == pytest.approx(0.75)
-    assert session_changes(values)[2] == change(values[:3])
+    moved = session_changes(values)
+    assert [one.difference for one in moved[:3]] == [None] * 3, "a session of the baseline has nothing before it"
+    assert [one.difference for one in moved[3:]] == pytest.approx([3.95, 0.65, 0.75])
+    assert [one.is_real for one in moved] == [None] * 3 + [True] * 3
+    assert session_changes(values[:4])[3] == moved[3], "what comes later changes nothing"
+    assert [one.minimal_detectable for one in session_changes(values[:2])] == [None, None]
 
 
 def test_unchanged_patients_are_seldom_called_changed(history):
@@ -78,7 +76,7 @@ def test_unchanged_patients_are_seldom_called_changed(history):
         return [replace(pattern, mean=float(mean), spread=2.0, count=10) for mean in means]
 
     def said(step):
-        judged = [change(patient(step)[:count]).is_real for count in (4, 8) for _ in range(400)]
+        judged = [session_changes(patient(step)[:count])[-1].is_real for count in (4, 8) for _ in range(400)]
         return np.mean([one is True for one in judged])
 
     assert said(0.0) <= 0.06
@@ -90,12 +88,14 @@ def test_two_sessions_are_not_enough_to_tell(history, therapist, world):
     for age in (3, 2):
         history.session(age, [float(age), age + 0.01])
     (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
-    assert (measure["minimal_detectable_change"], measure["is_real_change"], measure["change"]) == (None,) * 3
+    assert measure["minimal_detectable_change"] is None
+    assert {(one["change"], one["is_real_change"]) for one in measure["points"]} == {(None, None)}
     history.session(1.5, [2.5])
     history.session(1, [40.0])
     (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
     assert [point["is_real_change"] for point in measure["points"]] == [None, None, None, True]
-    assert measure["points"][-1]["change"] == pytest.approx(measure["change"])
+    values = [one["value"] for one in measure["points"]]
+    assert measure["points"][-1]["change"] == pytest.approx(values[-1] - np.mean(values[:3]))
 
 
 def test_the_main_result_counts_not_every_comparison(history):

@@ -4713,10 +4713,6 @@ export interface components {
             bands: components["schemas"]["ProgressBand"][];
             /** Baseline Sessions */
             baseline_sessions: number;
-            /** Change */
-            change: number | null;
-            /** Is Real Change */
-            is_real_change: boolean | null;
             /** Label */
             label: string;
             /** Measure */

@@ -17,13 +17,13 @@ export function jointOf(measure: string): string {
   return tOr(`mine.joint.${/^range:([a-z]+_[a-z]+)_(?:left|right)_/.exec(measure)?.[1] ?? ''}`, t('mine.joint.other'));
 }
 
-/** One sentence on how it goes. */
+/** One sentence on how it goes: the newest session against the first three, as everywhere. */
 export function plainProgress(measure: ProgressMeasure | null): string {
   if (!measure || measure.points.length === 0) return t('mine.noResultYet');
-  const { change } = measure;
+  const { change, is_real_change: isReal } = measure.points.at(-1) ?? {};
   if (measure.points.length < 2) return t('mine.firstResult');
   if (change === null || change === undefined) return t('mine.tooFew');
-  if (!measure.is_real_change) return t('mine.steady');
+  if (!isReal) return t('mine.steady');
   const unit = displayUnit(measure.unit);
   const size = Math.abs(change * unit.factor);
   const way = change > 0 ? 'more' : 'less';

@@ -143,12 +143,10 @@ describe('plain words', () => {
       count: 5,
       orientation: 'vqf',
       template_version_id: null,
-      change: null,
-      is_real_change: null,
+      change,
+      is_real_change,
     })),
-    change,
     minimal_detectable_change: 0.1,
-    is_real_change,
     baseline_sessions: 3,
     bands: [],
   });
@@ -166,10 +164,8 @@ describe('plain words', () => {
         measure: `walk:${name}`,
         label: '',
         unit,
-        points: Array(4).fill({}),
-        change,
+        points: Array(4).fill({ change, is_real_change: true }),
         minimal_detectable_change: 1,
-        is_real_change: true,
       } as unknown as ProgressMeasure);
     expect(walked('test_time', 's', 2.24)).toBe(
       'Your walk now takes 2.2 s more than in your first sessions. Your therapist sees this too.',

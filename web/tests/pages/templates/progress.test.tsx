@@ -10,9 +10,7 @@ const measure = (change: Partial<ProgressMeasure>): ProgressMeasure => ({
   label: 'Elbow flexion, range of motion',
   unit: 'deg',
   points: [],
-  change: null,
   minimal_detectable_change: null,
-  is_real_change: null,
   baseline_sessions: 3,
   bands: [],
   ...change,
@@ -38,9 +36,7 @@ describe('the verdict on a change', () => {
       verdictOf(
         measure({
           points: [{ ...newest, change: 12, is_real_change: isReal }],
-          change: 8,
           minimal_detectable_change: 9.9,
-          is_real_change: false,
         }),
       );
     expect(judged(true)).toBe(

@@ -56,10 +56,12 @@ function validOf(session: SessionDetail): number {
 function TrueWord({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
   const progress = useProgress(session.patient_id, session.exercise_id ?? null);
   const main = mainMeasure(progress.data?.measures ?? []);
-  const isNew = main?.points.some((one) => one.session_id === session.id);
+  const newest = main?.points.at(-1);
   const valid = guidance?.counts.valid ?? validOf(session);
   const did = valid > 0 ? t('after.did', { count: valid }) : t('after.didNone');
-  return <p className="mine-say">{isNew && main?.is_real_change ? plainProgress(main) : did}</p>;
+  return (
+    <p className="mine-say">{newest?.session_id === session.id && newest.is_real_change ? plainProgress(main) : did}</p>
+  );
 }
 
 export default function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
