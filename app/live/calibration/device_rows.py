@@ -4,10 +4,10 @@ All functions block; the live side calls them in a thread. Only sensors whose ga
 remembered: a name such as "phone" may be another phone tomorrow.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
-from sqlalchemy import Engine, select
+from sqlalchemy import Engine, Select, select
 from sqlalchemy.orm import Session
 
 from app.database.base import utc_now
@@ -36,14 +36,7 @@ def with_known_devices(
     if not serials:
         return setup
     with read_only(engine) as session:
-        rows = {
-            row.serial: row
-            for row in session.scalars(
-                select(SensorDevice).where(
-                    SensorDevice.clinic_id == clinic_id, SensorDevice.serial.in_(serials.values())
-                )
-            )
-        }
+        rows = {row.serial: row for row in session.scalars(_devices(clinic_id, serials.values()))}
         found = {placement: rows[serial] for placement, serial in serials.items() if serial in rows}
         return replace(
             setup,
@@ -65,9 +58,10 @@ def save_device_calibrations(
 ) -> None:
     """Remember calibrations made in the hand; constants learnt with the readings before are forgotten."""
     with unit_of_work(engine) as session:
+        rows = _rows(session, session_id, [serials[one] for one in found if one in serials])
         for placement, device in found.items():
             if placement in serials:
-                row = _row(session, session_id, serials[placement])
+                row = rows[serials[placement]]
                 row.calibration = device.to_dict()
                 row.scores = {**row.scores, **_scored(device, scores.get(placement, 1.0))}
                 row.constants = {}
@@ -94,9 +88,17 @@ def save_device_constants(
             )
             if event.details.get("severity") == "refuse"
         }
-        for placement, constants in found.items():
-            if placement in serials and placement not in refused and constants != DeviceConstants():
-                _row(session, session_id, serials[placement]).constants = constants.to_dict()
+        learnt = {
+            serials[placement]: constants.to_dict()
+            for placement, constants in found.items()
+            if placement in serials and placement not in refused and constants != DeviceConstants()
+        }
+        for serial, row in _rows(session, session_id, learnt).items():
+            row.constants = learnt[serial]
+
+
+def _devices(clinic_id: str, serials: Iterable[str]) -> Select[SensorDevice]:
+    return select(SensorDevice).where(SensorDevice.clinic_id == clinic_id, SensorDevice.serial.in_(serials))
 
 
 def _scored(device: DeviceCalibration, score: float) -> dict[str, float]:
@@ -104,16 +106,20 @@ def _scored(device: DeviceCalibration, score: float) -> dict[str, float]:
     return {name: score for name in names if getattr(device, name) is not None}
 
 
-def _row(session: Session, session_id: str, serial: str) -> SensorDevice:
-    clinic_id = session.get_one(MotionSession, session_id).clinic_id
-    row = session.scalar(
-        select(SensorDevice).where(SensorDevice.clinic_id == clinic_id, SensorDevice.serial == serial)
-    )
-    if row is None:
-        row = SensorDevice(clinic_id=clinic_id, serial=serial, calibration={}, scores={}, constants={})
-        session.add(row)
-    row.session_id, row.updated_at = session_id, utc_now()
-    return row
+def _rows(session: Session, session_id: str, serials: Collection[str]) -> dict[str, SensorDevice]:
+    """Return the rows of devices by serial number, new ones where there are none: written by this session, now."""
+    if not serials:
+        return {}
+    clinic_id = session.scalars(select(MotionSession.clinic_id).where(MotionSession.id == session_id)).one()
+    rows = {row.serial: row for row in session.scalars(_devices(clinic_id, serials))}
+    for serial in serials:
+        if serial not in rows:
+            rows[serial] = SensorDevice(
+                clinic_id=clinic_id, serial=serial, calibration={}, scores={}, constants={}
+            )
+            session.add(rows[serial])
+        rows[serial].session_id, rows[serial].updated_at = session_id, utc_now()
+    return rows
 
 
 __all__ = ["save_device_calibrations", "save_device_constants", "with_known_devices"]

@@ -13,6 +13,7 @@ from app.recordings.models import MotionSession, SessionEvent
 from estimators.calibration import DeviceCalibration, LocalField, TriadCalibration
 from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup
+from tests.app.recordings.storage.test_writer_counts import statements_of
 
 ARM: tuple[Any, ...] = ("sternum", "upper_arm_right", "forearm_right")
 
@@ -68,3 +69,21 @@ def test_nothing_is_kept_of_a_sensor_that_cannot_be_right(
         rows = {row.serial: row.constants for row in session.scalars(select(SensorDevice))}
     assert set(rows) == {serials["sternum"], serials["upper_arm_right"]}
     assert rows[serials["sternum"]]["magnetometer_delay_s"] == 0.01
+
+
+def test_many_sensors_take_the_statements_of_one(
+    engine: Engine, world: Any, streamed: Callable[..., str]
+) -> None:
+    """Whoever ends a session of seventeen sensors must not hold up those who go on."""
+    serials = {name: f"serial of {name}" for name in ARM}
+
+    def saved(delay_s: float, placements: tuple[Any, ...]) -> int:
+        learnt = dict.fromkeys(placements, DeviceConstants(magnetometer_delay_s=delay_s))
+        session_id = streamed("sternum", "warning")
+        return statements_of(engine, lambda: save_device_constants(engine, session_id, serials, learnt))
+
+    assert saved(0.01, ARM) == saved(0.02, ARM) == saved(0.03, ARM[:1])
+    own = select(SensorDevice).where(SensorDevice.clinic_id == world.clinic_id)
+    with read_only(engine) as session:
+        rows = {row.serial: row.constants["magnetometer_delay_s"] for row in session.scalars(own)}
+    assert rows == {serials[name]: 0.03 if name == ARM[0] else 0.02 for name in ARM}
