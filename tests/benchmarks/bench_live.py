@@ -3,7 +3,7 @@
 Starts the real service (one process, as `telemotion serve` does, on a fresh SQLite file) and, in this other
 process, the load: sessions of 17 nine-axis sensors at 100 Hz, 5 ticks a packet as int16 counts, calibrated,
 with estimation and storage on, each watched by a dashboard. Every packet is encoded before and sent when its
-last tick would have been measured, the sessions spread over the packet's 50 ms.
+last tick would have been measured; the sessions begin one after the other within five seconds of warming up.
 
 Printed latencies use one clock, that of the machine. "Published" is the time stamp that the service puts into
 a frame block when it gives the frames to the bus; it is compared with the moment before the packet was
@@ -70,7 +70,9 @@ def measure(
             print(f"running for {seconds:.0f} s ...", flush=True)
             load = Load(opened, server, loss=loss, together=arguments.together)
             begun: dict[str, float] = {}
-            outcome = load.run(memory.note, lambda: (memory.note(0.0), begun.update(metrics(port))))
+            outcome = load.run(
+                memory.note, lambda: (memory.note(0.0), begun.update(metrics(port))), until_s=seconds
+            )
             memory.note((seconds - WARM_UP_S) / 60.0)
             rare = rare_share(begun, metrics(port))
         finally:
@@ -80,7 +82,7 @@ def measure(
     sessions = len(opened.parts)
     print_load(outcome, opened, seconds)
     print(f"rare      {100 * rare:.2f} % of the packets took the general way")
-    mb_an_hour = stored_mb(kept, sessions, seconds)
+    mb_an_hour = stored_mb(kept, outcome.streamed_s)
     found = judge_load(outcome, sessions, kept["raw"][1] // 5, mb_an_hour) | judge_memory(memory, sessions)
     if arguments.slow:
         list_slow(outcome)

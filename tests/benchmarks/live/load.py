@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import json
+import math
 import selectors
 import socket
 import struct
@@ -25,7 +26,9 @@ from tests.benchmarks.live.sockets import PING, PONG, Socket, client_frame
 from tests.benchmarks.service import EMAIL, PASSWORD, new_ticket
 
 WARM_UP_S = 10.0
-"""Sessions of a clinic do not begin within the same twentieth of a second: the first checks of all are over by then."""
+"""When measuring begins: the first checks of all sessions are over by then."""
+BEGUN_S = 5.0
+"""Sessions of a clinic do not begin within the same twentieth of a second, but one after the other in so long."""
 READING_S = 9.0
 """Before measuring begins: what the service and the machine say is read; what is sent late for that is not measured."""
 SLICE_S = 0.002
@@ -163,6 +166,8 @@ class Outcome:
     health: dict[int, HealthMessage] = field(default_factory=dict)
     states: set[str] = field(default_factory=set)
     sent: int = 0
+    streamed_s: float = 0.0
+    """Of all sessions together."""
     server_cpu: float = 0.0
     load_cpu: float = 0.0
 
@@ -230,7 +235,10 @@ class Load:
         self._waiting.append(bytearray())
         self._is_over.append(False)
         self._sent_at.append(np.full(len(part.packets), np.nan))
-        self._rest.append(self._events_of(session, self.now_s))
+        is_first = not self._start and not self._is_together
+        self._rest.append(
+            self._events_of(session, self._random.uniform(0.0, BEGUN_S) if is_first else self.now_s)
+        )
         self._advance(session)
 
     def goodbye(self, session: int) -> None:
@@ -250,7 +258,7 @@ class Load:
 
     def _events_of(self, session: int, from_s: float) -> Iterator[tuple[float, int, int, bytes]]:
         part = self._parts[session]
-        from_s += 0.0 if self._is_together else float(self._random.uniform(0.0, part.packet_s))
+        from_s += 0.0 if self._is_together else self._random.uniform(0.0, part.packet_s)
         for due_s, number, frame in part.events(self._loss, seed=session):
             yield from_s + due_s, session, number, frame
 
@@ -263,6 +271,7 @@ class Load:
         self,
         each_minute: Callable[[float], None] | None = None,
         on_warm: Callable[[], None] | None = None,
+        until_s: float = math.inf,
     ) -> Outcome:
         """Send every packet at its time and read whatever comes meanwhile.
 
@@ -272,14 +281,15 @@ class Load:
             Called after each minute of measured time.
         on_warm : callable, optional
             Called some seconds before measuring begins.
+        until_s : float
+            What would be sent later is not: all sessions send while it is measured.
         """
         outcome, load = self.outcome, psutil.Process()
         self.begin()
         cpu_from: tuple[float, float, float] | None = None
         served: list[psutil.Process] = []
         minute = 1
-        while self._events:
-            due_s = self._events[0][0]
+        while self._events and (due_s := self._events[0][0]) < until_s:
             if not served and due_s >= WARM_UP_S - READING_S:
                 if on_warm is not None:
                     on_warm()
@@ -318,10 +328,12 @@ class Load:
         due = self._start + due_s
         self._wait_for(due)
         now = time.perf_counter()
-        self.outcome.late_ms.append(1e3 * (now - due))
+        if due_s >= WARM_UP_S:
+            self.outcome.late_ms.append(1e3 * (now - due))
         self._sent_at[session][number] = now + self._to_epoch
         self._send(session, frame)
         self.outcome.sent += 1
+        self.outcome.streamed_s += self._parts[session].packet_s
 
     def drive_until(self, until_s: float) -> bool:
         """Send what is due before a moment of the load; False where no session sends."""

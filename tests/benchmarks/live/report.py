@@ -85,9 +85,9 @@ def print_load(outcome: Outcome, opened: Opened, seconds: float) -> None:
     )
 
 
-def stored_mb(kept: dict[str, tuple[int, int, int]], sessions: int, seconds: float) -> float:
-    """Print what is stored; return it in MB a session hour."""
-    hours = sessions * seconds / 3600.0
+def stored_mb(kept: dict[str, tuple[int, int, int]], streamed_s: float) -> float:
+    """Print what is stored of so many seconds of all sessions together; return it in MB a session hour."""
+    hours = streamed_s / 3600.0
     for kind, (chunks, ticks, size) in kept.items():
         print(
             f"stored    {kind:<7}{chunks:7d} chunks {ticks:9d} ticks {size / MB:8.1f} MB"
