@@ -120,6 +120,17 @@ def _is_in_use(connection: HTTPConnection) -> bool:
     return idle.isdigit() and len(idle) < 10 and int(idle) < SEEN_AGAIN_AFTER.total_seconds()
 
 
+def shown_token(connection: HTTPConnection) -> tuple[str, str]:
+    """Return scheme and token of the `Authorization` header; without a token the cookie decides who asks.
+
+    Parameters
+    ----------
+    connection : Request or WebSocket
+    """
+    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    return scheme, token.strip()
+
+
 def current_subject(connection: HTTPConnection) -> Subject:
     """Return who asks, by device token or cookie; blocks on the database, so call it in a thread.
 
@@ -134,7 +145,7 @@ def current_subject(connection: HTTPConnection) -> Subject:
     NotAllowed
         See `current_sign_in`.
     """
-    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    scheme, token = shown_token(connection)
     if not token:
         found = current_sign_in(connection)
         if (refusal := first_to_do(found)) is not None:
@@ -144,7 +155,7 @@ def current_subject(connection: HTTPConnection) -> Subject:
         raise SignInRequired(say("sign_in.bearer_only"))
     services = services_of(connection)
     with read_only(services.engine) as session:
-        return subject_of_device_token(session, services.settings, token.strip())
+        return subject_of_device_token(session, services.settings, token)
 
 
 def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Subject:

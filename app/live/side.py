@@ -27,6 +27,8 @@ CHECK_EVERY_S: Final = 5.0
 CHECK_AT_LEAST_EVERY_S: Final = 30.0
 CHECKS_SHARE: Final = 0.02
 """Of a processor, for checks of rights of all open sockets."""
+NEWEST: Final = 0.1
+"""Weight of one check in the average of what a check costs."""
 GATHERED: Final = 0.2
 """Share of the time between two checks in which a socket's question waits for those of others."""
 
@@ -79,10 +81,14 @@ class LiveSide(ABC):
             try:
                 return work()
             finally:
-                cost_s = (time.thread_time() - began_s) / sockets
-                self._check_cost_s += 0.1 * (cost_s - self._check_cost_s)
+                self._note_cost(time.thread_time() - began_s, sockets)
 
         return await asyncio.get_running_loop().run_in_executor(self._checks, timed)
+
+    def _note_cost(self, cost_s: float, sockets: int) -> None:
+        """Take what so many checks cost together; each counts alike, whether it was asked alone or with others."""
+        share = 1.0 - (1.0 - NEWEST) ** sockets
+        self._check_cost_s += share * (cost_s / sockets - self._check_cost_s)
 
     @property
     def check_every_s(self) -> float:
@@ -91,7 +97,7 @@ class LiveSide(ABC):
 
     @property
     def _interval_s(self) -> float:
-        """From one answer to the next: longer where very many are open, and the longest that a lost right lasts."""
+        """From one answer to the next, longer where very many are open: so long, and a question, a lost right lasts."""
         # A session has a gateway and, mostly, somebody who watches.
         wanted_s = 2 * self.session_count * self._check_cost_s / CHECKS_SHARE
         return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.accounts.credentials.sign_in import COOKIE
-from app.accounts.dependencies import websocket_subject
+from app.accounts.dependencies import shown_token, websocket_subject
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
 from app.live import repository
@@ -72,8 +72,8 @@ async def _who(websocket: WebSocket, services: Services, session_id: str) -> Rig
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
     # A socket's Origin, which `current_subject` looks at too, stays what it was. Who shows a token is no browser.
-    is_browser = cookie and not websocket.headers.get("authorization")
-    shown = ShownCookie(cookie, services.settings) if cookie and is_browser else None
+    has_token = bool(shown_token(websocket)[1])
+    shown = ShownCookie(cookie, services.settings) if cookie and not has_token else None
     return RightQuestion(subject, stored.id, "read", shown)
 
 

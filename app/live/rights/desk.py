@@ -52,7 +52,8 @@ class RightsDesk:
             self._timer = loop.call_later(self._gather_s(), self._ask)
         refusal = await answer
         if refusal is not None:
-            raise refusal
+            # Many sockets may share it: its traceback must not grow with each.
+            raise refusal.with_traceback(None)
 
     def end(self) -> None:
         """Answer nobody any more."""

@@ -1,6 +1,7 @@
 """Questions of open sockets are gathered; each socket hears its own answer, and only its own."""
 
 import asyncio
+import traceback
 from collections.abc import Sequence
 
 import pytest
@@ -61,8 +62,11 @@ def test_a_silent_database_is_told_to_every_socket_and_the_next_question_is_aske
         database = Database()
         desk = RightsDesk(database.answer, lambda: 0.0)
         database.is_silent = True
-        found = await asyncio.gather(*(desk.check(question(n)) for n in (2, 3)), return_exceptions=True)
-        assert [type(one) for one in found] == [OperationalError] * 2
+        found = await asyncio.gather(*(desk.check(question(n)) for n in range(2, 12)), return_exceptions=True)
+        assert [type(one) for one in found] == [OperationalError] * 10
+        assert found[0] is found[1]
+        assert isinstance(found[0], OperationalError)
+        assert len(traceback.extract_tb(found[0].__traceback__)) < 5, "it does not grow with each socket"
         database.is_silent = False
         await desk.check(question(2))
 
