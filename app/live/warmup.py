@@ -3,6 +3,8 @@
 A kind of session is warmed up by letting its pipeline run over moments of stillness: `Readiness` does that in threads
 when the service starts, and when somebody opens a session of another kind. What is in no cache yet is compiled by
 other processes (this module as a script), because compiling holds the interpreter: live frames would stand still.
+What takes the packets of many sessions together is compiled beside that: sessions that come before it is there take
+the general way, and change over by themselves.
 """
 
 import asyncio
@@ -44,16 +46,17 @@ LOOK_S: Final = 1.0
 """How often a process that compiles looks whether the service still runs."""
 Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""
-ENGINE: Final = "engine"
 FIRST: Final[Kind] = (ArmPipeline.name, DEFAULT)
 GUIDANCE: Final[Kind] = ("guidance", DEFAULT)
 """What a session needs besides where a prescription guides it: compiled apart, half a minute of it is nobody else's."""
+ENGINE: Final[Kind] = ("engine", DEFAULT)
+"""What takes the packets of many sessions together; until it is there they take the general way."""
 
 
 def usual() -> list[Kind]:
-    """Return what is made ready at the start: arms, their guidance, then the kinds that have a filter of their own."""
+    """Return what is made ready at the start: arms, engine, guidance, then the kinds with a filter of their own."""
     own = [name for name, kind in pipelines.available().items() if not kind.takes_estimator]
-    return [FIRST, GUIDANCE, *((name, DEFAULT) for name in own)]
+    return [FIRST, ENGINE, GUIDANCE, *((name, DEFAULT) for name in own)]
 
 
 def code_of(setup: SessionSetup) -> Kind:
@@ -70,15 +73,18 @@ def warm_up(kind: Kind) -> None:
     if kind == GUIDANCE:
         Following.prepare()
         return
+    # What the general way needs of the engine's kernels, and who compiles the engine meanwhile comes to last.
+    of_packets = (unmask, unpack)
+    if kind == ENGINE:
+        # First what a pipeline needs, too, the filter last: it takes longest, and whoever warms up a pipeline
+        # meanwhile begins with it.
+        *others, filter_kernel = CALLED[::-1]
+        for kernel in (*others, take_arms, place, write_blocks, *of_packets, filter_kernel):
+            cast(Kernel, kernel).prepare()
+        return
     pipeline, orientation = kind
     kinds()[pipeline].warm_up(orientation)
-    prepare_engine()
-
-
-def prepare_engine() -> None:
-    """Make ready what takes the packets of many sessions together."""
-    # The filter last: it takes longest, and whoever warms up a pipeline meanwhile begins with it.
-    for kernel in (take_arms, place, unpack, unmask, write_blocks, *CALLED[::-1]):
+    for kernel in of_packets:
         cast(Kernel, kernel).prepare()
 
 
@@ -90,16 +96,13 @@ def load_or_compile(kind: Kind) -> None:
         return
     except NotCompiled:
         logger.info("compiling for sessions of kind %s", "/".join(kind))
-    # Two at once: the engine's kernels take nearly as long as those of a pipeline. Guidance needs none of them.
-    started = [_compile(*kind)] if kind == GUIDANCE else [_compile(ENGINE), _compile(*kind)]
-    failed = [one.wait() for one in started]
-    if any(failed):
+    if _compile(*kind).wait():
         logger.warning("compiling for sessions of kind %s failed; it is done in this process", "/".join(kind))
     warm_up(kind)
 
 
 def _compile(*words: str) -> "subprocess.Popen[bytes]":
-    """Start the process that compiles a kind, or the engine; what both need one of them compiles.
+    """Start the process that compiles a kind; what two of them need one of them compiles.
 
     It ends with the service, also when that is killed: the next start does not compile beside it.
     """
@@ -130,6 +133,7 @@ class Readiness:
             has it prepared at once.
         """
         first = self._of(FIRST)
+        self._of(ENGINE)
         self._others = asyncio.create_task(self._one_by_one(others_after_s), name="warm up")
         await asyncio.wait([first], timeout=PATIENCE_S)
 
@@ -153,6 +157,9 @@ class Readiness:
             That takes longer than a moment; it goes on meanwhile.
         """
         await self._require(code_of(setup))
+        if self.is_preparing_engine:
+            # Nearly always there before the pipeline is; where it must be compiled nobody waits for it.
+            await asyncio.wait([self._of(ENGINE)], timeout=PATIENCE_S)
 
     async def require_guidance(self) -> None:
         """Return when a session can be guided; raises as `require`."""
@@ -172,12 +179,18 @@ class Readiness:
         """Whether sessions can be guided at once, as far as is known."""
         return self._is_ready(GUIDANCE)
 
+    @property
+    def is_preparing_engine(self) -> bool:
+        """Whether packets had better not be taken together yet: it would be compiled in the middle of that."""
+        task = self._kinds.get(ENGINE)
+        return task is not None and not task.done()
+
     def _is_ready(self, kind: Kind) -> bool:
         task = self._kinds.get(kind)
         return task is not None and task.done()
 
     async def _one_by_one(self, others_after_s: float) -> None:
-        await asyncio.wait([self._of(FIRST)])
+        await asyncio.wait([self._of(FIRST), self._of(ENGINE)])
         await asyncio.sleep(others_after_s)
         for kind in usual():
             await asyncio.wait([self._of(kind)])
@@ -227,7 +240,4 @@ def _end_with_parent() -> None:
 if __name__ == "__main__":
     os.nice(NICENESS)
     _end_with_parent()
-    if sys.argv[1] == ENGINE:
-        prepare_engine()
-    else:
-        warm_up((sys.argv[1], sys.argv[2]))
+    warm_up((sys.argv[1], sys.argv[2]))

@@ -3,7 +3,7 @@
 import logging
 import math
 import threading
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Final, Protocol
 
 from app.live.bus import Channel
@@ -101,6 +101,9 @@ class Pooled(Protocol):
 class Slots(Protocol):
     """Where lanes get their places."""
 
+    is_being_prepared: Callable[[], bool]
+    """Whether no session may join yet."""
+
     def slot_for(
         self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
     ) -> tuple[SessionPool, int]:
@@ -177,6 +180,8 @@ class Lane:
         return self.is_sure
 
     def _enter(self, known: tuple[object, ...]) -> bool:
+        if self._engine.is_being_prepared():
+            return False
         self.settle()
         session, parts = self.session, self.session.now
         clock, aligner, pipeline = parts.clock, parts.aligner, parts.pipeline

@@ -32,6 +32,9 @@ class Shared:
     sides: WeakSet[HasSessions] = field(default_factory=WeakSet)
     """Whose sessions share the machine."""
 
+    def __post_init__(self) -> None:
+        self.pooled.is_being_prepared = lambda: self.readiness.is_preparing_engine
+
     @property
     def sessions(self) -> list[LiveSession]:
         """All live sessions of this process."""

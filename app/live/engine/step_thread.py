@@ -205,9 +205,10 @@ def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> N
                 request[IS_ANSWERED] = 1
                 os.write(answering, b"\1")
     finally:
-        request[IS_ANSWERED] = 1
         os.close(requests)
         os.close(answering)
+        # Behind both: whoever has asked meanwhile finds out that there is nobody.
+        request[IS_ANSWERED] = 1
 
 
 __all__ = ["StepThread", "Take", "asked", "take_arms"]

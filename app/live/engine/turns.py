@@ -13,7 +13,7 @@ import contextlib
 import logging
 import time
 from collections import Counter
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from typing import Any, Final
 
 from app.ingest.websocket import metrics
@@ -67,6 +67,8 @@ class PooledEngine:
         """Blocks that somebody would have watched, left out because turns were late."""
         self.is_late = False
         self._began_s, self._is_giving = 0.0, False
+        self.is_being_prepared: Callable[[], bool] = lambda: False
+        """Asked before a session joins a pool: until the kernels are there its packets take the general way."""
 
     def slot_for(
         self, key: Hashable, like: Pipeline, channels: int, carried: int, recent_ticks: int
@@ -251,6 +253,7 @@ class PooledEngine:
                     self._watch_answers(pool)
                     pool.ask(1 - self._filling)
                 except Exception as error:
+                    self._forget_answers(pool)
                     self._failed(items, error)
                     continue
                 self._open.append((pool, items, parts))
@@ -305,6 +308,8 @@ class PooledEngine:
                 pool.wait()
                 more[:0] = self._show(pool, items)
             except Exception as error:
+                # The pipe of a thread that has ended can be read at any time; one that goes on is watched when asked.
+                self._forget_answers(pool)
                 self._failed(items, error)
             self._take_parts(pool, more)
         finally:

@@ -13,7 +13,7 @@ import pytest
 
 from app.errors import Unavailable
 from app.live import warmup
-from app.live.warmup import FIRST, GUIDANCE, Kind, Readiness, code_of, usual
+from app.live.warmup import ENGINE, FIRST, GUIDANCE, Kind, Readiness, code_of, usual
 from estimators.pipelines import SessionSetup
 from tests.benchmarks.crash import is_alive
 from tests.patience import PATIENCE_S
@@ -93,7 +93,29 @@ def test_only_who_is_guided_waits_for_guidance(monkeypatch: pytest.MonkeyPatch) 
         ready.end()
 
     asyncio.run(story())
-    assert held.begun[:2] == [FIRST, GUIDANCE]
+    assert held.begun[:3] == [FIRST, ENGINE, GUIDANCE]
+
+
+def test_nobody_waits_for_what_takes_many_sessions_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warmup, "PATIENCE_S", 0.05)
+    held = Held()
+    held.gate(FIRST).set()
+
+    async def story() -> None:
+        ready = Readiness(held)
+        assert not ready.is_preparing_engine, (
+            "where nothing is prepared what is missing is loaded at its first use"
+        )
+        await ready.begin()
+        await ready.require(ARM)
+        assert ready.is_preparing_engine
+        for kind in usual():
+            held.gate(kind).set()
+        await ready.usual_ready()
+        assert not ready.is_preparing_engine
+        ready.end()
+
+    asyncio.run(story())
 
 
 def test_others_wait_for_those_who_come_back_unless_somebody_asks() -> None:
@@ -106,9 +128,9 @@ def test_others_wait_for_those_who_come_back_unless_somebody_asks() -> None:
         await ready.begin(others_after_s=PATIENCE_S)
         await ready_for(ready, ARM)
         await asyncio.sleep(0.05)
-        assert held.begun == [FIRST]
+        assert held.begun == [FIRST, ENGINE]
         await ready_for(ready, GAIT)
-        assert held.begun == [FIRST, code_of(GAIT)]
+        assert held.begun == [FIRST, ENGINE, code_of(GAIT)]
         ready.end()
         again = Readiness(held)
         await again.begin(others_after_s=0.01)
@@ -116,7 +138,7 @@ def test_others_wait_for_those_who_come_back_unless_somebody_asks() -> None:
         assert all(map(again.is_ready, (ARM, GAIT)))
 
     asyncio.run(story())
-    assert held.begun[2:] == usual()
+    assert held.begun[3:] == usual()
 
 
 def test_what_cannot_be_prepared_speaks_for_itself_later(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,7 +156,7 @@ def test_what_cannot_be_prepared_speaks_for_itself_later(monkeypatch: pytest.Mon
 
 COUNT = """
 import numba.core.event as event
-from app.live.warmup import FIRST, warm_up
+from app.live.warmup import ENGINE, FIRST, warm_up
 
 class Counter(event.Listener):
     names = []
@@ -145,6 +167,7 @@ class Counter(event.Listener):
 
 event.register("numba:compile", Counter())
 warm_up(FIRST)
+warm_up(ENGINE)
 before = len(Counter.names)
 
 from dataclasses import replace

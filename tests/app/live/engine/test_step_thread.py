@@ -333,3 +333,27 @@ def test_a_turn_whose_failure_fails_too_is_followed_by_the_next(
         assert engine_of_turns.turns == turns_before + 1
 
     asyncio.run(run())
+
+
+def test_a_pipe_whose_thread_has_ended_is_not_watched(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It could be read at any time: the event loop would do nothing else."""
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        turns_of = manager.pooled
+
+        def ended(*_: Any) -> None:
+            raise BrokenPipeError
+
+        offered(pair, packets[:3])
+        turns_of.begin()
+        turns_of.finish()
+        assert turns_of._watched
+        monkeypatch.setattr(SessionPool, "ask", ended)
+        offered(pair, packets[3:6], 3)
+        turns_of.begin()
+        assert not turns_of._watched
+
+    asyncio.run(run())

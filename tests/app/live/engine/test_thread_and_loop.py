@@ -138,3 +138,27 @@ def test_the_thread_gives_way_to_the_event_loop() -> None:
         assert time.monotonic() < deadline_s
         time.sleep(0.001)
     thread.close()
+
+
+def test_packets_take_the_general_way_until_the_engine_is_there(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int]
+) -> None:
+    """In the first start after an installation: what has come so far moves on in a pool, bit for bit."""
+
+    async def run() -> None:
+        is_prepared = False
+        manager.pooled.is_being_prepared = lambda: not is_prepared
+        pair, packets = await begun(manager, world, engine)
+        general(pair, packets[:12])
+        offered(pair, packets[:6])
+        manager.pooled.turn()
+        assert manager.pooled.ordinary == 0
+        assert pair.pooled.lane.pool is None
+        is_prepared = True
+        offered(pair, packets[6:12], 6)
+        manager.pooled.turn()
+        assert manager.pooled.ordinary == 6
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
