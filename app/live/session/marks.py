@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import math
 import random
 import time
 from collections.abc import Sequence
@@ -54,8 +55,10 @@ class Marks:
         now_s, setup = time.monotonic(), session.pipeline.setup
         made = self._made.get(session)
         if made is None:
-            # Sessions that came together, as after a restart, are not due together.
-            early_s = random.uniform(0.0, self._period_s)  # noqa: S311
+            # Sessions that came together, as after a restart, are not due together. One behind whose checkpoint there
+            # was more is: a service that is killed again and again before it has one would take longer each time.
+            rebuilt_s = session.rebuilt_ticks * session.declaration.time_step_s
+            early_s = math.inf if rebuilt_s > self._period_s else random.uniform(0.0, self._period_s)  # noqa: S311
             made = self._made[session] = _Mark(now_s - early_s, setup)
         is_old = now_s - made.made_s > self._period_s or made.setup is not setup
         if session.has_store_failed or session.lacks_frames or not (is_old or is_forced):

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from sqlalchemy import Engine
@@ -46,6 +46,9 @@ class Place:
 
 
 ANYWHERE: Final = Place()
+REBUILT_TOGETHER: Final = 2
+"""After a restart all sessions come back at once. More of them would hold the interpreter against the event loop, and
+the threads in which tickets are redeemed before they expire."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,7 @@ class Opener:
     place: Place
     check: CheckProcess
     is_exact: bool = False
+    _rebuilding: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(REBUILT_TOGETHER))
 
     async def open(
         self,
@@ -140,13 +144,17 @@ class Opener:
             hemisphere=self.place.hemisphere,
             check=self.check,
         )
-        trouble = await asyncio.to_thread(self._go_on, session, streamed)
-        if trouble is not None:
-            session.line.stop(trouble)
+        await asyncio.to_thread(self._open_at_writer, session, streamed)
+        if len(session.ledger.durable):
+            async with self._rebuilding:
+                trouble = await asyncio.to_thread(self._rebuild, session, streamed)
+            if trouble is not None:
+                session.line.stop(trouble)
+        await asyncio.to_thread(guide_session, session, self.engine, self.bus, self.place.time_zone, streamed)
         return session
 
-    def _go_on(self, session: LiveSession, streamed: Streamed | None) -> Exception | None:
-        """Bring a session to where what is stored of it ends; blocks. Returns why its estimation cannot go on."""
+    def _open_at_writer(self, session: LiveSession, streamed: Streamed | None) -> None:
+        """Let a session be stored from now on, behind what is stored of it; blocks."""
         session.ledger.durable = self.writer.open_session(
             session.id,
             session.on_durable,
@@ -154,11 +162,9 @@ class Opener:
             None if streamed is None else streamed.standing,
         )
         session.ledger.received = session.ledger.durable.copy()
-        trouble = self._rebuild(session, streamed) if len(session.ledger.durable) else None
-        guide_session(session, self.engine, self.bus, self.place.time_zone, streamed)
-        return trouble
 
     def _rebuild(self, session: LiveSession, streamed: Streamed | None) -> Exception | None:
+        """Bring a session to where what is stored of it ends; blocks. Returns why its estimation cannot go on."""
         if streamed is not None:
             return rebuild(session, self.engine, streamed.checkpoint, streamed.chunks, is_exact=True)
         checkpoint = load_checkpoint(self.engine, session.id)

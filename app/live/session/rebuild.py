@@ -159,6 +159,7 @@ class _Again:
             return
         self._pieces.append(chunk)
         self._ticks += chunk.tick_count
+        self._session.rebuilt_ticks += chunk.tick_count
         if self._ticks >= PIECE_TICKS:
             self._step()
 

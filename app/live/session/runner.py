@@ -91,6 +91,8 @@ class LiveSession(PooledSession):
         self.now = Parts(declaration, pipeline, first_tick)
         self.opened_s = self._last_arrival_s = time.monotonic()
         self.duplicates = 0
+        self.rebuilt_ticks = 0
+        """Estimated once more when it was opened: those behind its checkpoint."""
         self.is_finished = False
         """Closed, and everything that came is stored."""
         self._has_store_failed = self._lacks_frames = False
