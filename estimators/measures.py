@@ -45,7 +45,7 @@ MEASURES: Final = (
     NamedMeasure("clearance", "asymmetry"),
     NamedMeasure("double_support_share", "both", "Both feet on the ground, part of the stride"),
     NamedMeasure("double_support", "both"),
-    NamedMeasure("walk_ratio", "both", "Walk ratio: length of a step over steps a second"),
+    NamedMeasure("walk_ratio", "both", "Walk ratio: step length divided by steps per second"),
     NamedMeasure("step_width", "both", "Step width"),
     NamedMeasure("step_length_left", "both"),
     NamedMeasure("step_length_right", "both"),

@@ -199,7 +199,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "caseload.rarely_practised": "{share:percent} der Sitzungen der letzten vier Wochen wurden gemacht.",
     "caseload.pain": "Die letzte Sitzung wurde abgebrochen, weil es wehtat.",
     "channel.axial_rotation": "Schulterrotation (axial)",
-    "channel.elbow_carrying": "Außenwinkel des Ellbogens",
+    "channel.elbow_carrying": "Armaußenwinkel",
     "channel.elbow_flexion": "Ellbogenflexion",
     "channel.elbow_x": "Ellbogen nach vorn",
     "channel.elbow_y": "Ellbogen nach links",

@@ -99,7 +99,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "measure_name.walk.test_distance": "Strecke, ganzer Gang",
     "measure_name.walk.test_time": "Dauer des Tests, ganzer Gang",
     "measure_name.walk.toe_out": "Zehen nach außen gedreht",
-    "measure_name.walk.walk_ratio": "Gangverhältnis: Schrittlänge durch Schritte pro Sekunde",
+    "measure_name.walk.walk_ratio": "Verhältnis von Schrittlänge zu Schritten pro Sekunde",
     "measure_name.walk.weight_on_left": "Gewicht auf dem linken Fuß, im Stehen",
     "measure_name.uneven.stance_share": "Standphase, links gegenüber rechts",
     "measure_name.uneven.step_time": "Schrittdauer, links gegenüber rechts",

@@ -58,7 +58,9 @@ def test_each_session_is_compared_with_the_first_three(history):
         history.session(age, [mean - 0.01, mean + 0.01])
     values = values_of(history)
     moved = session_changes(values)
-    assert [one.difference for one in moved[:3]] == [None] * 3, "a session of the baseline has nothing before it"
+    assert [one.difference for one in moved[:3]] == [None] * 3, (
+        "a session of the baseline has nothing before it"
+    )
     assert [one.difference for one in moved[3:]] == pytest.approx([3.95, 0.65, 0.75])
     assert [one.is_real for one in moved] == [None] * 3 + [True] * 3
     assert session_changes(values[:4])[3] == moved[3], "what comes later changes nothing"

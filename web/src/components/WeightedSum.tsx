@@ -2,7 +2,7 @@
 import { useId } from 'react';
 import type { WeightedSum as Sum } from '../api/types';
 import { t } from '../i18n';
-import { number, pair, plainTick, weighedQuantity } from '../lib/format';
+import { digitsFor, number, pair, plainTick, weighedQuantity } from '../lib/format';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */
@@ -10,9 +10,11 @@ const WEIGHT_DIGITS = 3;
 
 export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
   const title = useId();
+  // The sum, its parts and the template's have the same digits: they stand below each other.
+  const digits = digitsFor(sum.uncertainty ?? 0, DIGITS);
   const [value, spread] =
     sum.value === null || sum.uncertainty === null
-      ? [number(sum.value, DIGITS)]
+      ? [number(sum.value, digits)]
       : pair(sum.value, sum.uncertainty, DIGITS);
   const note = isPaper ? 'paper-note' : 'muted small';
   return (
@@ -47,7 +49,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
                 × {plainTick(one.weight, WEIGHT_DIGITS)}
               </td>
               <td className="number" data-label={t('compare.part')}>
-                {number(one.part, DIGITS)}
+                {number(one.part, digits)}
               </td>
             </tr>
           ))}
@@ -64,7 +66,7 @@ export function WeightedSum({ sum, isPaper }: { sum: Sum; isPaper?: boolean }) {
               )}
               {sum.template_value !== null && (
                 <span className="measure-note muted small">
-                  {t('design.weightTemplate', { value: number(sum.template_value, DIGITS) })}
+                  {t('design.weightTemplate', { value: number(sum.template_value, digits) })}
                 </span>
               )}
             </th>

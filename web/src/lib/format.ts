@@ -104,14 +104,21 @@ export function bodyLength(metres: number | null | undefined): string {
 /**
  * A value and its uncertainty in the same digits, without a unit: `9.0` and `0.5`, never `9` and `0.5`. One rule for
  * pages and what is printed. Where the uncertainty would be shown as nothing, both have a digit more, and
- * where that is nothing too it is said to be below that digit, as nothing measured is certain.
+ * where that is nothing too it is said to be below that digit. A spread of exactly 0 stays 0.
  */
 export function pair(value: number, uncertainty: number, digits: number): [string, string] {
   const size = Math.abs(uncertainty);
-  const isHidden = (decimals: number) => size > 0 && size < 0.5 * 10 ** -decimals;
-  if (!isHidden(digits)) return [number(value, digits), number(size, digits)];
-  const more = digits + 1;
-  return [number(value, more), isHidden(more) ? `< ${number(10 ** -more, more)}` : number(size, more)];
+  const shown = digitsFor(size, digits);
+  return [number(value, shown), isHidden(size, shown) ? `< ${number(10 ** -shown, shown)}` : number(size, shown)];
+}
+
+/** The digits of a value with this uncertainty, and of what stands below it. */
+export function digitsFor(uncertainty: number, digits: number): number {
+  return isHidden(Math.abs(uncertainty), digits) ? digits + 1 : digits;
+}
+
+function isHidden(size: number, digits: number): boolean {
+  return size > 0 && size < 0.5 * 10 ** -digits;
 }
 
 /** A value with its uncertainty, e.g. `87° ± 3` and `9.0° ± 0.5`; without one only the value. */

@@ -1,6 +1,6 @@
-import type { Session, SessionDetail, SessionState } from '../api/types';
+import type { Estimator, Result, Session, SessionDetail, SessionState } from '../api/types';
 import { kindOf } from '../kinds';
-import { t } from '../i18n';
+import { t, tOr } from '../i18n';
 import { number } from './format';
 
 const LIVE: readonly SessionState[] = ['created', 'calibrating', 'ready', 'recording', 'link_lost'];
@@ -13,6 +13,12 @@ export function isLive(state: SessionState): boolean {
 /** What was done: the exercise, or what is measured when there is none. */
 export function sessionTitle(session: Pick<SessionDetail, 'exercise_name' | 'pipeline'>): string {
   return session.exercise_name ?? kindOf(session).free();
+}
+
+/** What made a result, as people read it: a filter that can be chosen, or the only one of its kind of session. */
+export function estimatorTitle(result: Pick<Result, 'orientation'>, estimators: readonly Estimator[]): string {
+  const found = estimators.find((one) => one.name === result.orientation);
+  return found?.title ?? tOr(`estimator.${result.orientation}`, result.orientation);
 }
 
 /** The page that fits the state of a session. */

@@ -17,7 +17,7 @@ export const motion: Translated<typeof english> = {
   'angle.thorax_humerus.elevation': 'Schulterelevation',
   'angle.thorax_humerus.axial_rotation': 'Schulterrotation (axial)',
   'angle.humerus_forearm.flexion': 'Ellbogenflexion',
-  'angle.humerus_forearm.carrying': 'Außenwinkel des Ellbogens',
+  'angle.humerus_forearm.carrying': 'Armaußenwinkel',
   'angle.humerus_forearm.pronation': 'Unterarmpronation',
   'angle.forearm_hand.flexion': 'Handgelenkflexion',
   'angle.forearm_hand.deviation': 'Handgelenkdeviation',

@@ -33,6 +33,7 @@ function GiveAccess({ patient, onDone }: { patient: Patient; onDone: () => void 
       <Select
         label={t('access.colleague')}
         searchable
+        openOnFocus={false}
         data={(accounts.data ?? [])
           .filter((one) => one.role === 'therapist' && one.is_active)
           .map((one) => ({ value: one.id, label: one.display_name }))}

@@ -86,7 +86,7 @@ export const walking: Translated<typeof english> = {
   'measure.stride_time_variation': 'Schwankung der Doppelschrittdauer',
   'measure.double_support': 'Beide Füße am Boden, je Schritt',
   'measure.double_support_share': 'Beide Füße am Boden, Anteil am Doppelschritt',
-  'measure.walk_ratio': 'Schrittlänge durch Schritte pro Sekunde (Gangverhältnis)',
+  'measure.walk_ratio': 'Verhältnis von Schrittlänge zu Schritten pro Sekunde',
   'measure.step_width': 'Schrittbreite',
   'measure.step_length_left': 'Schrittlänge, linker Fuß vorn',
   'measure.step_length_right': 'Schrittlänge, rechter Fuß vorn',
@@ -229,7 +229,7 @@ export const walking: Translated<typeof english> = {
   'walkReport.value': 'Dieser Gang',
   'walkReport.none': 'keine Veränderung',
   'walkReport.estimator': '{kind} mit {title} (Version {version}), Gangauswertung Version {pipeline}',
-  'walkReport.method.foot': 'Fußverfolgung',
+  'estimator.foot': 'Bewegung des Fußes',
   'walkReport.help':
     'Gleichmäßige Doppelschritte: gerade und ebenmäßig, ohne Anfänge, Halte und Wendungen; der ganze Gang enthält sie alle. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Gängen.',
   'walkReport.doubts': 'Grenzen dieser Messung',

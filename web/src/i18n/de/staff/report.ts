@@ -44,8 +44,8 @@ export const report: Translated<typeof english> = {
   'course.meanwhile': 'Inzwischen',
   'course.tableHelp':
     'n: Wiederholungen oder Doppelschritte hinter dem Wert. Eine Veränderung ist echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %), bestimmt durch Test und Wiederholung zwischen den ersten drei Sitzungen dieser Person.',
-  'course.legendRepetitions': 'Patient/in, jede Wiederholung',
-  'course.legendStrides': 'Patient/in, jeder Doppelschritt',
+  'course.legendRepetitions': 'Patient/in, jede gewertete Wiederholung',
+  'course.legendStrides': 'Patient/in, jeder gewertete Doppelschritt',
   'course.noExercise': 'Wählen Sie auf der Seite der Person eine Übung.',
   'report.print': 'Drucken oder als PDF speichern',
   'report.summary': 'Bewegungsbericht',

@@ -83,7 +83,7 @@ export const walking = {
   'measure.stride_time_variation': 'Variation of stride time',
   'measure.double_support': 'Both feet on the ground, each step',
   'measure.double_support_share': 'Both feet on the ground, part of the stride',
-  'measure.walk_ratio': 'Step length over steps a second (walk ratio)',
+  'measure.walk_ratio': 'Walk ratio: step length divided by steps per second',
   'measure.step_width': 'Step width',
   'measure.step_length_left': 'Step length, left foot forward',
   'measure.step_length_right': 'Step length, right foot forward',
@@ -221,7 +221,7 @@ export const walking = {
   'walkReport.value': 'This walk',
   'walkReport.none': 'no change',
   'walkReport.estimator': '{kind} with {title} (version {version}), walking pipeline version {pipeline}',
-  'walkReport.method.foot': 'foot tracking',
+  'estimator.foot': 'foot tracking',
   'walkReport.help':
     'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three walks.',
   'walkReport.doubts': 'Limits of this measurement',

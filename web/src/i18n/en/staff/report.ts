@@ -38,8 +38,8 @@ export const report = {
   'course.meanwhile': 'Meanwhile',
   'course.tableHelp':
     'n: repetitions or strides behind the value. A change is real when it is larger than the minimal detectable change at 95 %, from test and retest between the first three sessions of this patient.',
-  'course.legendRepetitions': 'Patient, each repetition',
-  'course.legendStrides': 'Patient, each stride',
+  'course.legendRepetitions': 'Patient, each repetition that counts',
+  'course.legendStrides': 'Patient, each stride that counts',
   'course.noExercise': 'Choose an exercise on the patient’s page.',
   'report.print': 'Print or save as PDF',
   'report.summary': 'Movement report',

@@ -13,10 +13,11 @@ import type {
 import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
 import { Answer } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
-import { t, tOr } from '../../../i18n';
+import { t } from '../../../i18n';
 import { BASELINE } from '../../../lib/assessment/baseline';
 import { placementLabel } from '../../../lib/channels';
 import { dateTime, number, quantity, withUnit } from '../../../lib/format';
+import { estimatorTitle } from '../../../lib/sessions';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
 import { CurvesSheet } from '../../../pages/report/CurvesSheet';
 import { Sheet } from '../../../pages/report/Sheet';
@@ -224,9 +225,7 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
   const all = session.packets_stored + session.packets_missing;
   const strides = gait.feet.flatMap((foot) => foot.strides);
   const count = (kind: string) => session.events.filter((event) => event.kind === kind).length;
-  const title =
-    estimators.data?.find((one) => one.name === result.orientation)?.title ??
-    tOr(`walkReport.method.${result.orientation}`, result.orientation);
+  const title = estimatorTitle(result, estimators.data ?? []);
   const apart = balance
     ? t(`walkReport.apart.${balance.apart_source}`, { apart: quantity(balance.apart_m, 'm') })
     : t(gait.has_step_width ? 'walkReport.apart.known' : 'walkReport.apart.unknown');

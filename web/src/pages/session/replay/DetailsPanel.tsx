@@ -6,17 +6,16 @@ import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
 import { Problem } from '../../../components/Feedback';
 import { kindOf } from '../../../kinds';
-import { t, tOr } from '../../../i18n';
+import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
 import { dateTime, duration, number } from '../../../lib/format';
+import { estimatorTitle } from '../../../lib/sessions';
 import { scoreText } from '../live/Calibration';
 import { Reprocess } from './Reprocess';
 
 /** What made a result, so that two of them are never mixed up. */
 export function resultLabel(result: Result, isMain: boolean, estimators: readonly Estimator[]): string {
-  const title =
-    estimators.find((one) => one.name === result.orientation)?.title ??
-    tOr(`estimator.${result.orientation}`, result.orientation);
+  const title = estimatorTitle(result, estimators);
   const kind = result.kind === 'live' ? t('result.live') : t('result.offline');
   const name = t('result.label', { kind, estimator: title, version: result.orientation_version });
   return isMain ? `${name}, ${t('result.main')}` : name;

@@ -14,9 +14,10 @@ import { channelLabel } from '../../../lib/channels';
 import { differenceRows, distinctResults, overallRms } from '../../../lib/assessment/differences';
 import { dateTime, number, position } from '../../../lib/format';
 import { fullName, patientCrumbs } from '../../../lib/people';
+import { estimatorTitle } from '../../../lib/sessions';
 
 function shortLabel(result: Result, estimators: readonly Estimator[]): string {
-  const title = estimators.find((one) => one.name === result.orientation)?.title ?? result.orientation;
+  const title = estimatorTitle(result, estimators);
   const changed = Object.keys(result.orientation_parameters).length;
   const name = result.kind === 'live' ? t('differences.live', { title }) : title;
   return changed > 0 ? t('differences.changed', { name, count: changed }) : name;
