@@ -122,7 +122,7 @@ class LiveManager(SteeredSide):
         shared.sides.add(self)
         self._measuring: asyncio.Task[None] | None = None
         self._check_process = shared.check
-        self._opener = Opener(engine, writer, bus, place, self._check_process)
+        self._opener = Opener(engine, writer, bus, place, self._check_process, rebuilding=shared.rebuilding)
         self._tasks: set[asyncio.Task[Any]] = set()
         self.pooled = shared.pooled
 

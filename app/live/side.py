@@ -97,7 +97,7 @@ class LiveSide(ABC):
 
     @property
     def _interval_s(self) -> float:
-        """From one answer to the next, longer where very many are open: so long, and a question, a lost right lasts."""
+        """From one answer to the next, longer where very many are open; a lost right lasts this and one question."""
         # A session has a gateway and, mostly, somebody who watches.
         wanted_s = 2 * self.session_count * self._check_cost_s / CHECKS_SHARE
         return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)

@@ -73,7 +73,7 @@ def warm_up(kind: Kind) -> None:
     if kind == GUIDANCE:
         Following.prepare()
         return
-    # What the general way needs of the engine's kernels, and who compiles the engine meanwhile comes to last.
+    # The general way needs them, too: whoever prepares the engine meanwhile begins with others.
     of_packets = (unmask, unpack)
     if kind == ENGINE:
         # First what a pipeline needs, too, the filter last: it takes longest, and whoever warms up a pipeline
@@ -122,6 +122,8 @@ class Readiness:
         self._prepare = prepare or load_or_compile
         self._kinds: dict[Kind, asyncio.Task[None]] = {}
         self._others: asyncio.Task[None] | None = None
+        self._engine_by_s = 0.0
+        """When a session waits no longer for the engine, on the event loop's clock."""
 
     async def begin(self, others_after_s: float = 0.0) -> None:
         """Begin with the usual kinds; returns when the first is ready, or after a moment.
@@ -134,6 +136,7 @@ class Readiness:
         """
         first = self._of(FIRST)
         self._of(ENGINE)
+        self._engine_by_s = asyncio.get_running_loop().time() + PATIENCE_S
         self._others = asyncio.create_task(self._one_by_one(others_after_s), name="warm up")
         await asyncio.wait([first], timeout=PATIENCE_S)
 
@@ -157,9 +160,10 @@ class Readiness:
             That takes longer than a moment; it goes on meanwhile.
         """
         await self._require(code_of(setup))
-        if self.is_preparing_engine:
+        left_s = self._engine_by_s - asyncio.get_running_loop().time()
+        if self.is_preparing_engine and left_s > 0.0:
             # Nearly always there before the pipeline is; where it must be compiled nobody waits for it.
-            await asyncio.wait([self._of(ENGINE)], timeout=PATIENCE_S)
+            await asyncio.wait([self._of(ENGINE)], timeout=left_s)
 
     async def require_guidance(self) -> None:
         """Return when a session can be guided; raises as `require`."""
@@ -183,7 +187,7 @@ class Readiness:
     def is_preparing_engine(self) -> bool:
         """Whether packets had better not be taken together yet: it would be compiled in the middle of that."""
         task = self._kinds.get(ENGINE)
-        return task is not None and not task.done()
+        return task is not None and (not task.done() or task.cancelled())
 
     def _is_ready(self, kind: Kind) -> bool:
         task = self._kinds.get(kind)

@@ -64,7 +64,8 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
 async def _who(websocket: WebSocket, services: Services, session_id: str) -> RightQuestion:
     """Return the question that decides, now and again later, whether this client may watch."""
     engine, cookie = services.engine, websocket.cookies.get(COOKIE)
-    if cookie or websocket.headers.get("authorization"):
+    has_token = bool(shown_token(websocket)[1])
+    if cookie or has_token:
         subject = await websocket_subject(websocket)
     else:
         subject = await _subject_of_ticket(websocket, services, session_id)
@@ -72,7 +73,6 @@ async def _who(websocket: WebSocket, services: Services, session_id: str) -> Rig
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
     # A socket's Origin, which `current_subject` looks at too, stays what it was. Who shows a token is no browser.
-    has_token = bool(shown_token(websocket)[1])
     shown = ShownCookie(cookie, services.settings) if cookie and not has_token else None
     return RightQuestion(subject, stored.id, "read", shown)
 

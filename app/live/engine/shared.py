@@ -1,8 +1,10 @@
 """What the managers of a process have in common; a service in one process has one manager."""
 
+import asyncio
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Protocol
+from functools import partial
+from typing import Final, Protocol
 from weakref import WeakSet
 
 from app.live.admission import Admission
@@ -10,6 +12,10 @@ from app.live.checks.plausibility import CheckProcess
 from app.live.engine.turns import PooledEngine
 from app.live.session.runner import LiveSession
 from app.live.warmup import Readiness
+
+REBUILT_TOGETHER: Final = 2
+"""After a restart all sessions come back at once. Most of it holds the interpreter: more would hold up the event loop,
+and the threads in which tickets are redeemed before they expire."""
 
 
 class HasSessions(Protocol):
@@ -29,6 +35,7 @@ class Shared:
     """Takes the packets of all sessions that it can take."""
     check: CheckProcess = field(default_factory=CheckProcess)
     admission: Admission = field(default_factory=Admission)
+    rebuilding: asyncio.Semaphore = field(default_factory=partial(asyncio.Semaphore, REBUILT_TOGETHER))
     sides: WeakSet[HasSessions] = field(default_factory=WeakSet)
     """Whose sessions share the machine."""
 

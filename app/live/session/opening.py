@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Final
 
 from sqlalchemy import Engine
@@ -46,9 +47,6 @@ class Place:
 
 
 ANYWHERE: Final = Place()
-REBUILT_TOGETHER: Final = 2
-"""After a restart all sessions come back at once. More of them would hold the interpreter against the event loop, and
-the threads in which tickets are redeemed before they expire."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +64,8 @@ class Opener:
         Where the first seconds are checked.
     is_exact : bool
         Sessions move from another machine while somebody watches: see `rebuild`.
+    rebuilding : Semaphore
+        Of those of this process that are rebuilt together.
     """
 
     engine: Engine
@@ -74,7 +74,7 @@ class Opener:
     place: Place
     check: CheckProcess
     is_exact: bool = False
-    _rebuilding: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(REBUILT_TOGETHER))
+    rebuilding: asyncio.Semaphore = field(default_factory=partial(asyncio.Semaphore, 1))
 
     async def open(
         self,
@@ -146,7 +146,7 @@ class Opener:
         )
         await asyncio.to_thread(self._open_at_writer, session, streamed)
         if len(session.ledger.durable):
-            async with self._rebuilding:
+            async with self.rebuilding:
                 trouble = await asyncio.to_thread(self._rebuild, session, streamed)
             if trouble is not None:
                 session.line.stop(trouble)

@@ -10,10 +10,11 @@ import pytest
 from sqlalchemy import Engine
 
 from app.live import repository
+from app.live.engine.shared import REBUILT_TOGETHER
 from app.live.manager import LiveManager
 from app.live.session import marks
 from app.live.session.marks import Marks
-from app.live.session.opening import REBUILT_TOGETHER, Opener
+from app.live.session.opening import Opener
 from app.network.declaration import Declaration
 from tests.app.live.engine.both_ways import Sender, packets_of, worn
 from tests.app.live.engine.test_both_ways import ARM

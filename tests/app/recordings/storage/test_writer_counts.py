@@ -272,7 +272,7 @@ def test_a_chunk_of_many_sessions_is_stored_before_anybody_is_told_that_none_is(
 
 
 def test_where_too_much_waits_the_largest_are_stored_early_and_not_all_at_once(engine: Engine) -> None:
-    writer = GroupCommitWriter(engine, commit_bytes=200_000)
+    writer = GroupCommitWriter(engine, commit_bytes=200_000, chunk_s=60.0)
     nothing = Standing(SequenceRanges(), 0, {})
     for number in range(40):
         writer.open_session(str(number), standing=nothing)

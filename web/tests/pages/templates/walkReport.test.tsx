@@ -169,6 +169,6 @@ describe('the report of a walk', () => {
     expect(screen.queryByText(/one of the first three/)).toBeNull();
     expect(screen.getByText('Height of the foot (cm)')).toBeTruthy();
     expect(screen.getByText(/^Walking speed, left \(m\/s\), over the sessions/)).toBeTruthy();
-    expect(screen.getByText(/foot tracking \(version 1\)/)).toBeTruthy();
+    expect(screen.getByText(/Foot tracking \(version 1\)/)).toBeTruthy();
   });
 });

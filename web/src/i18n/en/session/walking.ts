@@ -221,7 +221,7 @@ export const walking = {
   'walkReport.value': 'This walk',
   'walkReport.none': 'no change',
   'walkReport.estimator': '{kind} with {title} (version {version}), walking pipeline version {pipeline}',
-  'estimator.foot': 'foot tracking',
+  'estimator.foot': 'Foot tracking',
   'walkReport.help':
     'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three walks.',
   'walkReport.doubts': 'Limits of this measurement',
