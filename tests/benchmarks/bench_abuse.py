@@ -39,7 +39,7 @@ from app.patients.models import Mounting
 from app.recordings.schemas import SessionIn
 from app.viewer.wire import PROTOCOL
 from tests.app.readers.test_unpacked import bomb
-from tests.benchmarks.live.load import WARM_UP_S, Load, connect, create
+from tests.benchmarks.live.load import PATIENCE_S, WARM_UP_S, Load, Opened, connect, create
 from tests.benchmarks.live.parts import moving_arms, part_of
 from tests.benchmarks.live.report import heading, judge, row
 from tests.benchmarks.live.watching import stored
@@ -311,11 +311,12 @@ def main() -> int:
             sessions = []
             for email in (EMAIL, FOREIGN):
                 sessions += asyncio.run(create(port, patients[email], [(part, 1)], email))
-            opened = connect(port, sessions)
+            opened = Opened()
+            connect(port, sessions, opened, time.monotonic() + PATIENCE_S)
             children.append(spawn.Process(target=work_next_door, args=(foreign, waits), daemon=True))
             children[-1].start()
             print(f"running for {seconds:.0f} s ...", flush=True)
-            outcome = Load(opened, psutil.Process(process.pid)).run()
+            outcome = Load(opened, psutil.Process(process.pid)).run(until_s=seconds)
             taken = Counter() if arguments.alone else answers.get(timeout=60.0)
             began = waits.get(timeout=60.0)
             arrived = stored(folder, opened.ids)["raw"][1] // stream.ticks_per_packet

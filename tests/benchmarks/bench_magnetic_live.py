@@ -7,7 +7,6 @@ two milliseconds of its processor time the service notes what its event loop is 
 """
 
 import argparse
-import asyncio
 import json
 import signal
 import sys
@@ -22,7 +21,7 @@ import numpy as np
 import psutil
 
 from tests.benchmarks.estimation.bench_magnetic import PACKET_TICKS, SECONDS
-from tests.benchmarks.live.load import WARM_UP_S, Load, connect, create
+from tests.benchmarks.live.load import WARM_UP_S, Load, open_all
 from tests.benchmarks.live.parts import magnetic
 from tests.benchmarks.live.watching import stored
 from tests.benchmarks.machine import processor
@@ -96,11 +95,11 @@ def main() -> int:
         process = start_server(url, folder, port, SAMPLER.format(path=str(told)))
         server = psutil.Process(process.pid)
         try:
-            opened = connect(port, asyncio.run(create(port, patient_id, [(part, given.sessions)])))
+            opened = open_all(port, patient_id, [(part, given.sessions)])
             begin = threading.Timer(WARM_UP_S + 0.5, process.send_signal, [signal.SIGUSR1])
             begin.start()
             before = {one.id: one.user_time + one.system_time for one in server.threads()}
-            outcome = Load(opened, server).run()
+            outcome = Load(opened, server).run(until_s=SECONDS)
             process.send_signal(signal.SIGUSR2)
             threads = sorted(
                 (one.user_time + one.system_time - before.get(one.id, 0.0), one.id == process.pid)

@@ -288,7 +288,7 @@ def flood(part: Part, calibration: dict[str, object], seconds: float) -> bool:
         told: multiprocessing.Queue[int] = spawn.Queue()
         flooder = spawn.Process(target=flooding, args=(port, made[-1], seconds, told), daemon=True)
         flooder.start()
-        outcome = load.run()
+        outcome = load.run(until_s=WARM_UP_S + seconds)
         flooded = told.get(timeout=60.0)
         flooder.kill()
         kept = stored(folder, opened.ids)["raw"][1] // 5

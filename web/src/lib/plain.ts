@@ -17,7 +17,7 @@ export function jointOf(measure: string): string {
   return tOr(`mine.joint.${/^range:([a-z]+_[a-z]+)_(?:left|right)_/.exec(measure)?.[1] ?? ''}`, t('mine.joint.other'));
 }
 
-/** One sentence on how it goes: the newest session against the first three, as everywhere. */
+/** One sentence on how it goes: the newest session against the first three, as in the reports. */
 export function plainProgress(measure: ProgressMeasure | null): string {
   if (!measure || measure.points.length === 0) return t('mine.noResultYet');
   const { change, is_real_change: isReal } = measure.points.at(-1) ?? {};

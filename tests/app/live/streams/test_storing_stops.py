@@ -14,7 +14,6 @@ import pytest
 from sqlalchemy import Engine, event, make_url
 from sqlalchemy.exc import OperationalError
 
-from app.database import migrate
 from app.database.engine import create_from_url
 from app.edge.readiness import Readiness
 from app.errors import NotAllowed
@@ -24,9 +23,8 @@ from app.live.rights.patience import Patience
 from app.live.session.ledger import NOT_STORED_AFTER_S, SequenceLedger
 from app.recordings.signals.store import read_packets
 from app.services import Services
-from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
-from tests.app.conftest import BASE_URL, build_world
+from tests.app.conftest import build_world
 from tests.app.live.streams.test_live_failures import hello, new_session, receive_until
 from tests.patience import PATIENCE_S
 
@@ -160,16 +158,12 @@ class TestPostgreSQL:
         server.cleanup()
 
     @pytest.fixture
-    def settings(self, tmp_path, server):
-        url = server.get_uri()
-        migrate.upgrade(url)
-        return Settings(
-            _env_file=None,
-            base_url=BASE_URL,
-            secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
-            database_url=url,
-            data_dir=tmp_path / "var",
-        )
+    def postgresql_database(self, server):
+        return server.get_uri
+
+    @pytest.fixture
+    def settings(self, settings_on_postgresql):
+        return settings_on_postgresql
 
     @pytest.fixture
     def engine(self, settings):
