@@ -13,6 +13,7 @@ from app.live.engine.pools import (
     DURATION_US,
     FIRST_TICK,
     FRAME_ROWS,
+    IS_BACKFILLED,
     IS_FLAWED,
     LAST_POSITION,
     NEXT_TICK,
@@ -82,16 +83,18 @@ class Pooled(Protocol):
     def recent(self) -> RecentSamples:
         """The newest seconds of its samples."""
 
-    def show(self, frames: Frames) -> None:
-        """Give frames to whoever wants them at once."""
+    def show(self, frames: Frames, *, is_live: bool) -> None:
+        """Give frames to whoever wants them at once; `is_live` where they came as they were measured."""
 
     def watch_source(self, first_tick: int, coil_state: Float | None) -> None:
         """Look whether a coil is on that nobody asked for."""
 
-    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
-        """Store and count packets that were placed in order."""
+    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun], *, is_live: bool) -> None:
+        """Store and count packets that were placed in order, all of them as they were measured or none."""
 
-    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
+    def after_pooled(
+        self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None, *, is_live: bool
+    ) -> None:
         """Store and count what was found.
 
         `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
@@ -252,7 +255,10 @@ class Lane:
         now_s : float
             Monotonic time at which what was found of it has been shown.
         """
-        session = self.session
+        session, is_backfilled = self.session, row[IS_BACKFILLED]
+        if self._taken and self._taken[-1][ROW][IS_BACKFILLED] != is_backfilled:
+            # What came as it was measured is counted apart from what was filled in.
+            self.settle()
         self.taken += 1
         self._taken.append((row, message, arrival_s, arrival_ns))
         ticks = row[TICKS]
@@ -262,14 +268,16 @@ class Lane:
         assert self.pool is not None
         self._rows = row[TICK_AT] + ticks - self.slot * FRAME_ROWS
         health = session.now.health
-        health.latencies_s.append(now_s - arrival_s)
+        if not is_backfilled:
+            health.latencies_s.append(now_s - arrival_s)
         guidance = session.guidance
         if (
             self._frames.listeners
             or (guidance is not None and guidance.is_following)
             or session.actuation is not None
         ):
-            session.show(self.pool.frames(row[FIRST_TICK], row[TICK_AT], ticks))
+            frames = self.pool.frames(row[FIRST_TICK], row[TICK_AT], ticks)
+            session.show(frames, is_live=not is_backfilled)
         if self.pool.has_coils or session.actuation is not None:
             coils = self.pool.carried(row, "coil_state")
             session.watch_source(row[FIRST_TICK], None if coils is None else coils[:, :, 0])
@@ -299,7 +307,7 @@ class Lane:
         ticks, self._taken, self._ticks = self._ticks, [], 0
         session, parts, last = self.session, self.session.now, taken[-1][ROW]
         sequence, next_tick = last[SEQUENCE], last[NEXT_TICK]
-        rows = [one[ROW] for one in taken]
+        rows, is_live = [one[ROW] for one in taken], not last[IS_BACKFILLED]
         parts.clock.advance([row[TIME_US] for row in rows], sequence, last[DURATION_US], taken[-1][ARRIVAL_S])
         parts.aligner.advance(
             sequence, last[TIME_US] + last[DURATION_US], next_tick, last[LAST_POSITION], last[ROWS_KNOWN]
@@ -311,7 +319,7 @@ class Lane:
             self._rows = 0
         self._next = (sequence, next_tick)
         messages, arrivals_ns = [one[MESSAGE] for one in taken], [one[ARRIVAL_NS] for one in taken]
-        session.took(taken, runs_of(rows[0][SEQUENCE], messages, arrivals_ns))
+        session.took(taken, runs_of(rows[0][SEQUENCE], messages, arrivals_ns), is_live=is_live)
         if not ticks:
             return
         shown = [row for row in rows if row[TICKS]]
@@ -321,7 +329,7 @@ class Lane:
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s
             chunk = session.recent.chunk(first_tick, next_tick, step_s)
-        session.after_pooled(frames, whole, chunk)
+        session.after_pooled(frames, whole, chunk, is_live=is_live)
 
 
 __all__ = ["ARRIVAL_S", "Lane", "Parts", "TakenPacket"]

@@ -14,10 +14,10 @@ from app.live.engine.journal import Journal
 from app.live.engine.step_thread import StepThread, Take, asked, take_arms
 from app.network.placing.kernel import place
 from app.network.placing.slot import (
-    FULL,
     ITEM,
     MOST_TICKS,
     ORDINARY,
+    WAITS,
     Network,
     carried_by,
     network_rows,
@@ -47,7 +47,7 @@ STATUS, SEQUENCE, TIME_US, DURATION_US = (
 )
 NEXT_TICK, LAST_POSITION, ROWS_KNOWN = (_PLACES[n] for n in ("next_tick", "last_position", "rows_known"))
 FIRST_TICK, TICKS, TICK_AT, IS_FLAWED = (_PLACES[n] for n in ("first_tick", "ticks", "tick_at", "is_flawed"))
-QUALITY_AT: Final = _PLACES["quality_at"]
+QUALITY_AT, IS_BACKFILLED = _PLACES["quality_at"], _PLACES["is_backfilled"]
 """Places of the values of a row."""
 
 
@@ -225,7 +225,7 @@ class SessionPool:
         """Let the rows of a session's frames be written anew."""
         x: Any = self.network.slot[slot]
         x["frame_row"] = 0
-        if x["blocked"] == FULL:
+        if x["blocked"] == WAITS:
             x["blocked"] = ORDINARY
 
     def quality(self, row: tuple[Any, ...]) -> NDArray[np.uint8]:

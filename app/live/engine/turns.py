@@ -20,7 +20,7 @@ from app.ingest.websocket import metrics
 from app.live.engine.journal import LENGTH, OFFSET, SENDER, Journal, Received, Sender
 from app.live.engine.lane import Lane
 from app.live.engine.pools import ITEMS, SESSIONS, STATUS, TICKS, SessionPool
-from app.network.placing.slot import FULL, ORDINARY, RARE
+from app.network.placing.slot import ORDINARY, RARE, WAITS
 from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
@@ -261,10 +261,17 @@ class PooledEngine:
             parts[:0] = self._take_part(pool, items)
 
     def _still_in(self, pool: SessionPool, items: _Items) -> _Items:
-        """Return the packets of sessions that are estimated in a pool; others take the general way."""
+        """Return the packets of sessions that are estimated in a pool; others take the general way.
+
+        A session that took the general way meanwhile is asked anew: its row says where it stood before.
+        """
         still: _Items = []
+        places: dict[Lane, SessionPool | None] = {}
         for one, lane in items:
-            if lane.pool is pool and lane.session.line.is_running:
+            if lane not in places:
+                is_sure = lane.is_sure and lane.session.line.is_running
+                places[lane] = lane.pool if is_sure else self._pool_of(lane)
+            if places[lane] is pool:
                 still.append((one, lane))
             else:
                 lane.forget()
@@ -378,19 +385,17 @@ class PooledEngine:
 
     def _take_others(self, pool: SessionPool, items: _Items, rows: list[tuple[Any, ...]]) -> list[_Items]:
         """Take the packets that compiled code left; return those that it takes now, as a part."""
-        full: _Items = []
+        waiting: _Items = []
         for (one, lane), row in zip(items, rows, strict=True):
             if row[STATUS] == RARE:
                 lane.forget()
                 self._take_rare(one)
-            elif row[STATUS] == FULL:
-                full.append((one, lane))
-        # After a pause many packets of a session come at once: the frames of the first are settled, then come the next.
-        pools = {lane: self._pool_of(lane) for _, lane in full}
-        for one, lane in full:
-            if pools[lane] is not pool:
-                self._take_rare(one)
-        again = [(one, lane) for one, lane in full if pools[lane] is pool]
+            elif row[STATUS] == WAITS:
+                lane.is_sure = False
+                waiting.append((one, lane))
+        # After a pause many packets of a session come at once: the frames of the first are settled, or what is rare in
+        # it is taken, then come the next.
+        again = self._still_in(pool, waiting)
         return [again] if again else []
 
     def _take_rare(self, one: Received) -> None:

@@ -117,14 +117,14 @@ class PooledSession(CalibratedSession):
         """The newest seconds of its samples."""
         return self._first_seconds.recent
 
-    def show(self, frames: Frames) -> None:
-        """Give frames to whoever wants them at once."""
+    def show(self, frames: Frames, *, is_live: bool) -> None:
+        """Give frames to whoever wants them at once; `is_live` where they came as they were measured."""
         if self.channels["frames"].listeners:
             self.channels["frames"].publish(PublishedFrames(frames, time.time()))
         if self.guidance is not None:
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
+            self.guidance.see(frames, is_counting=self.state == "recording", is_live=is_live)
         if self.actuation is not None:
-            self.actuation.take(frames, self.now.clock.declaration, is_live=True)
+            self.actuation.take(frames, self.now.clock.declaration, is_live=is_live)
 
     def watch_source(self, first_tick: int, coil_state: Float | None) -> None:
         """Look whether a coil is on that nobody asked for; `coil_state` of (S, K) ticks, None where none was sent."""
@@ -142,8 +142,8 @@ class PooledSession(CalibratedSession):
             at_s = change.tick * frames.time_step_s
             self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
 
-    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun]) -> None:
-        """Store and count packets that are not back-filled and were placed in order."""
+    def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun], *, is_live: bool) -> None:
+        """Store and count packets that were placed in order; `is_live` where they came as they were measured."""
         parts = self.now
         came_s, self._last_arrival_s = taken[0][ARRIVAL_S], taken[-1][ARRIVAL_S]
         for run in runs:
@@ -151,18 +151,23 @@ class PooledSession(CalibratedSession):
                 # One that was not stored is not acknowledged: the gateway brings it again, and it is stored late.
                 self.duplicates += len(run.messages) - self._writer.append_run(self.id, run, came_s)
                 parts.ledger.received.add_range(run.first_sequence, run.stop_sequence)
-        arrived = [((row[TIME_US] + row[DURATION_US]) * 1e-6, arrival_s) for row, _, arrival_s, _ in taken]
-        parts.health.add_packets(arrived)
-        parts.skew.add(arrived)
+        if is_live:
+            arrived = [
+                ((row[TIME_US] + row[DURATION_US]) * 1e-6, arrival_s) for row, _, arrival_s, _ in taken
+            ]
+            parts.health.add_packets(arrived)
+            parts.skew.add(arrived)
 
-    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
+    def after_pooled(
+        self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None, *, is_live: bool
+    ) -> None:
         """Store and count what the pooled engine found; whoever wants frames at once has seen them.
 
         `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
         """
         health, ticks = self.now.health, frames.tick_count
         if self.guidance is not None and not self.guidance.is_following:
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
+            self.guidance.see(frames, is_counting=self.state == "recording", is_live=is_live)
         self.store_frames(frames)
         health.set_flags(frames.layout.segments, frames.segment_flags)
         health.add_whole(whole)

@@ -2,7 +2,7 @@
 
 What `decode_packet`, `PacketClock`, `Unpacker` and `Aligner` do to a packet that comes next in its session, in one
 call for the packets of many sessions, with the same numbers to the last bit. Whatever else comes (a gap, a repeated or
-late packet, another clock, a wrong byte) changes nothing here and is left to them.
+reordered packet, another clock, a wrong byte) changes nothing here and is left to them.
 """
 
 import math
@@ -25,13 +25,13 @@ from app.network.packet import (
 )
 from app.network.placing.crc import crc32
 from app.network.placing.slot import (
-    FULL,
     ITEM,
     MOST_TICKS,
     ORDINARY,
     RARE,
     SLOT,
     SNAP_TICKS,
+    WAITS,
     Network,
     Packets,
     Placed,
@@ -50,9 +50,13 @@ _MAGIC_FIELD, _CHANNELS, _RESERVED, _SEQUENCE, _TIME, _INTERVAL, _CRC = (
     for name in ("magic", "channels", "reserved", "sequence", "device_time_us", "tick_interval_us", "crc")
 )
 """Where a field begins in a packet, and of those that are more than a byte how many they are."""
-_CLIPPED: Final = int(PacketFlag.SATURATED)
+_CLIPPED, _BACKFILLED = int(PacketFlag.SATURATED), int(PacketFlag.BACKFILLED)
 _FLOAT32, _INT16 = 0, 1
-_BRIDGED, _MISSING = int(SampleQuality.BRIDGED), int(SampleQuality.MISSING)
+_BRIDGED, _MISSING, _LATE = (
+    int(SampleQuality.BRIDGED),
+    int(SampleQuality.MISSING),
+    int(SampleQuality.BACKFILLED),
+)
 _NUMBERS, _QUALITIES = types.float64[::1], types.uint8[::1]
 _INERTIAL: Final = 6
 """Values of gyroscope and accelerometer, the first of a sensor."""
@@ -90,7 +94,7 @@ def _has_place(item: Record, x: Record, packets: Packets, sensors: int) -> bool:
         or not 0 < ticks <= MAX_TICKS
         or mask != x.mask
         or encoding > _INT16
-        or (flags != 0 and flags != _CLIPPED)
+        or flags & ~(_CLIPPED | _BACKFILLED) != 0
         or _number(journal, at, _RESERVED) != 0
         or not MIN_TICK_INTERVAL_US <= interval_us <= MAX_TICK_INTERVAL_US
         or not 0.9 < interval_us * 1e-6 * x.rate_hz < 1.1
@@ -113,6 +117,7 @@ def _has_place(item: Record, x: Record, packets: Packets, sensors: int) -> bool:
         return False
     item.sequence, item.time_us, item.ticks = sequence, time_us, ticks
     item.duration_us = ticks * interval_us
+    item.is_backfilled = flags & _BACKFILLED != 0
     return True
 
 
@@ -130,17 +135,18 @@ def _unpacked(
     """Unpack the item's values at the ticks of the device."""
     channels, sensors, ticks = signals.shape[0], signals.shape[1], signals.shape[2]
     width, at = x.width, item.offset + HEADER_BYTES
-    is_clipped = packets.data[item.offset + _FLAGS] == _CLIPPED
+    is_clipped = packets.data[item.offset + _FLAGS] & _CLIPPED != 0
+    every = _LATE if item.is_backfilled else 0
     size = ticks * sensors * width
     levels, last, same = network.clip_levels[s], network.last_sent[s], network.same_ticks[s]
     if packets.data[item.offset + _ENCODING] == _INT16:
         sent = packets.counts[at // 2 : at // 2 + size].reshape((ticks, sensors, width))
         scale, clip = x.scale[:channels], x.count_clip[:]
-        unpack(sent, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
+        unpack(sent, scale, clip, levels, is_clipped, every, x.stuck_ticks, last, same, signals, quality)
     else:
         given = packets.numbers[at // 4 : at // 4 + size].reshape((ticks, sensors, width))
         scale, clip = ones[:channels], x.clip[:]
-        unpack(given, scale, clip, levels, is_clipped, 0, x.stuck_ticks, last, same, signals, quality)
+        unpack(given, scale, clip, levels, is_clipped, every, x.stuck_ticks, last, same, signals, quality)
 
 
 @borrowing()
@@ -250,7 +256,7 @@ def _remember(s: int, item: Record, network: Network, signals: Float, quality: N
         at = (item.first_tick + k) % length
         for i in range(quality.shape[0]):
             network.recent_quality[s, at, i] = quality[i, k]
-            if quality[i, k] != 0:
+            if quality[i, k] & ~_LATE:
                 item.is_flawed = 1
         for c in range(signals.shape[0]):
             for i in range(quality.shape[0]):
@@ -355,21 +361,33 @@ def _placed(
 
 
 @borrowing()
+def _was_here(item: Record, x: Record, packets: Packets) -> bool:
+    """Whether a packet stands before the next one, by its sequence."""
+    if item.length < HEADER_BYTES:
+        return False
+    ahead = (np.int64(_number(packets.data, item.offset, _SEQUENCE)) - x.next_sequence) & 0xFFFFFFFF
+    return bool(ahead > 0x7FFFFFFF)
+
+
+@borrowing()
 def _take(
     item: Record, x: Record, packets: Packets, network: Network, placed: Placed, frame_rows: int
 ) -> None:
-    """Place one packet, or leave it: to the general way, or until there is room for its frames."""
+    """Place one packet, or leave it: to the general way, or until those before it are settled."""
     s = item.slot
     channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
     if x.blocked == ORDINARY:
         if x.frame_row + MOST_TICKS > frame_rows:
-            x.blocked = FULL
+            x.blocked = WAITS
         elif not (
             _has_place(item, x, packets, sensors)
             and _are_usable(item, packets)
             and _placed(s, item, x, packets, network, placed)
         ):
             x.blocked = RARE
+    elif x.blocked == RARE and not _was_here(item, x, packets):
+        # It may be ordinary once the rare one before it was taken; what is repeated never is.
+        x.blocked = WAITS
     item.status = x.blocked
     if item.status != ORDINARY:
         item.ticks = 0

@@ -73,13 +73,15 @@ ITEM: Final = record(
         ("quality_at", "i8"),
         ("tick_at", "i8"),
         ("is_flawed", "i8"),
+        # It says that it comes after a lost link.
+        ("is_backfilled", "i8"),
     ]
 )
 """One packet of a turn."""
 
-ORDINARY, RARE, FULL = 0, 1, 2
-"""An ordinary packet is wholly taken by compiled code. Others changed nothing: a rare one takes the general way, and
-one that found no room for its frames comes again when those before it are settled."""
+ORDINARY, RARE, WAITS = 0, 1, 2
+"""An ordinary packet is wholly taken by compiled code. Others changed nothing: a rare one takes the general way. One
+that waits found no room for its frames, or stands behind a rare one: it comes again when those before are settled."""
 
 
 class Network(NamedTuple):
@@ -213,13 +215,13 @@ def room_for(channels: int, sensors: int, most_ticks: int, mask: int = 0) -> Pla
 
 
 __all__ = [
-    "FULL",
     "ITEM",
     "MOST_TICKS",
     "ORDINARY",
     "RARE",
     "SLOT",
     "SNAP_TICKS",
+    "WAITS",
     "Network",
     "Packets",
     "Placed",

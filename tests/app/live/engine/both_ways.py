@@ -9,7 +9,7 @@ from app.errors import TelemotionError
 from app.gateway import DeviceStream
 from app.live.engine.turns import PooledEngine
 from app.live.session.intake import Intake
-from app.network.packet import decode_packet, encode_packet
+from app.network.packet import PacketFlag, decode_packet, encode_packet
 from estimators.channels import Channel
 
 MOTION = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER
@@ -59,6 +59,8 @@ class Faults:
     saturated: float
     away: tuple[tuple[int, int, int], ...]
     jumps: tuple[int, ...]
+    outages: tuple[tuple[int, int], ...] = ()
+    """Ticks between which the link was down: they are filled in later."""
 
     @classmethod
     def draw(cls, random: np.random.Generator, ticks: int, sensors: int) -> "Faults":
@@ -81,6 +83,10 @@ class Faults:
                 for start in random.integers(0, ticks, int(random.integers(4))).tolist()
             ),
             jumps=(int(random.integers(ticks)),) if random.random() < 0.15 else (),
+            outages=tuple(
+                (start, start + int(random.choice([10, 100, 400])))
+                for start in random.integers(0, ticks, int(random.integers(3))).tolist()
+            ),
         )
 
 
@@ -107,7 +113,8 @@ def packets_of(stream: DeviceStream, faults: Faults, random: np.random.Generator
             device_time_us=max(0, round(time_us)),
             tick_interval_us=round(1e4 * (1.0 + faults.drift)),
             channels=MOTION,
-            flags=int(bool(faults.saturated) and bool((values == 32767).any())),
+            flags=PacketFlag.SATURATED * (bool(faults.saturated) and bool((values == 32767).any()))
+            | PacketFlag.BACKFILLED * any(start <= tick < stop for start, stop in faults.outages),
         )
         if random.random() < faults.wrong:
             data = data[:40] + bytes([data[40] ^ 1]) + data[41:]

@@ -60,7 +60,7 @@ def shown(frames: Subscription) -> bytes:
 
 
 def stands(session: LiveSession) -> dict[str, Any]:
-    """Where a session stands, apart from times of arrival."""
+    """Where a session stands, apart from how long everything took."""
     present = session.health._present
     return {
         "ledger": list(session.ledger.received),
@@ -68,6 +68,7 @@ def stands(session: LiveSession) -> dict[str, Any]:
         "alignment": (session.aligner.next_tick, session.aligner.next_sequence, session.aligner.waiting),
         "late": (session.aligner.late_packets, session.clock.time_errors, session.duplicates),
         "health": (present.ticks, present.lost.tolist(), present.saturated.tolist()),
+        "link": (list(session.skew._minima), session.health._jitter_s, len(session.health.latencies_s)),
         "sensors": [(one.placement, one.status, one.loss_percent) for one in session.health.sensors(True)],
     }
 

@@ -10,6 +10,7 @@ from sqlalchemy import Engine
 from app.live.engine import turns
 from app.live.engine.pools import FRAME_ROWS
 from app.live.manager import ENDINGS, LiveManager
+from app.network.packet import PacketFlag, with_flags
 from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
 from tests.app.live.engine.test_both_ways import (
     ARM,
@@ -87,6 +88,32 @@ def test_a_pause_of_the_link_does_not_leave_the_compiled_way(
             offer(manager.pooled, pair.pooled, data, 0, at_s)
         manager.pooled.turn()
         assert manager.pooled.rare == rare
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("asked", [1, 1000])
+def test_what_comes_behind_a_rare_packet_is_taken_together(
+    manager: LiveManager, world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch, asked: int
+) -> None:
+    """After a lost link: what is filled in, behind it a long backlog, with packets twice in it."""
+    monkeypatch.setattr(turns, "ASKED", asked)
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        ordinary, rare = manager.pooled.ordinary, manager.pooled.rare
+        filled_in = [with_flags(data, PacketFlag.BACKFILLED) for data in packets[1:8]]
+        sent = [*filled_in, *packets[8:40], *packets[30:40], *packets[40:100]]
+        assert len(sent) > turns.ITEMS
+        for number, data in enumerate(sent):
+            at_s = 200.0 + 0.05 * number
+            pair.general.take_rare(data, at_s, int(1e9 * at_s))
+            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        manager.pooled.turn()
+        assert manager.pooled.rare - rare == 10
+        assert manager.pooled.ordinary - ordinary == len(sent) - 10
         await pair.settle()
         pair.compare()
 

@@ -357,3 +357,35 @@ def test_a_pipe_whose_thread_has_ended_is_not_watched(
         assert not turns_of._watched
 
     asyncio.run(run())
+
+
+def test_a_thread_that_dies_with_a_request_loses_no_packet_and_is_not_watched(
+    manager: LiveManager, world: Any, engine: Engine, asked: list[int], unseen: Callable[[], None]
+) -> None:
+    """Seen by the end of its pipe alone, which can be read at any time from then on."""
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        pool, session, turns_of = pair.pooled.lane.pool, pair.sessions[1], manager.pooled
+        stored = session.ledger.received.highest
+        turns_of._forget_answers(pool)
+        pool.close()
+        pool._thread = StepThread(lambda request, byte: os.read(int(request[3]), 1) and None)
+        offered(pair, packets[:3])
+        turns_of.begin()
+        assert turns_of._open
+        assert turns_of._watched == {pool.answers}
+        unseen()
+        deadline_s = time.monotonic() + PATIENCE_S
+        while turns_of._open:
+            assert time.monotonic() < deadline_s
+            await asyncio.sleep(0.001)
+        assert not turns_of._watched
+        assert session.ledger.received.highest == stored + 3
+        assert not session.line.is_running
+        assert pair.sessions[0].line.is_running
+        offered(pair, packets[3:6], 3)
+        turns_of.turn()
+        assert session.ledger.received.highest == stored + 6
+
+    asyncio.run(run())
