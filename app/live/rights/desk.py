@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
+from types import TracebackType
 from typing import Final
 
 from app.live.rights.questions import RightQuestion
@@ -10,6 +11,9 @@ MOST_AT_ONCE: Final = 128
 """Of one question to the database: it may hold the interpreter for a few milliseconds, no longer."""
 
 AskAll = Callable[[Sequence[RightQuestion]], Awaitable[Sequence[Exception | None]]]
+
+_Answer = asyncio.Future[tuple[Exception | None, TracebackType | None]]
+"""What a socket is refused with, and where that was raised."""
 
 
 class RightsDesk:
@@ -25,7 +29,7 @@ class RightsDesk:
 
     def __init__(self, ask_all: AskAll, gather_s: Callable[[], float]) -> None:
         self._ask_all, self._gather_s = ask_all, gather_s
-        self._waiting: list[tuple[RightQuestion, asyncio.Future[Exception | None]]] = []
+        self._waiting: list[tuple[RightQuestion, _Answer]] = []
         self._timer: asyncio.TimerHandle | None = None
         self._asking: set[asyncio.Task[None]] = set()
 
@@ -44,16 +48,16 @@ class RightsDesk:
             The database did not answer.
         """
         loop = asyncio.get_running_loop()
-        answer: asyncio.Future[Exception | None] = loop.create_future()
+        answer: _Answer = loop.create_future()
         self._waiting.append((question, answer))
         if len(self._waiting) >= MOST_AT_ONCE:
             self._ask()
         elif self._timer is None:
             self._timer = loop.call_later(self._gather_s(), self._ask)
-        refusal = await answer
+        refusal, raised_at = await answer
         if refusal is not None:
             # Many sockets may share it: its traceback must not grow with each.
-            raise refusal.with_traceback(None)
+            raise refusal.with_traceback(raised_at)
 
     def end(self) -> None:
         """Answer nobody any more."""
@@ -76,7 +80,7 @@ class RightsDesk:
             self._asking.add(task)
             task.add_done_callback(self._asking.discard)
 
-    async def _answer(self, waiting: list[tuple[RightQuestion, asyncio.Future[Exception | None]]]) -> None:
+    async def _answer(self, waiting: list[tuple[RightQuestion, _Answer]]) -> None:
         found: Sequence[Exception | None]
         try:
             found = await self._ask_all([question for question, _ in waiting])
@@ -86,7 +90,9 @@ class RightsDesk:
             raise
         except Exception as error:
             found = [error] * len(waiting)
-        for (_, answer), refusal in zip(waiting, found, strict=True):
+        # Taken before the first socket raises one that others share.
+        refusals = [(one, one.__traceback__ if one is not None else None) for one in found]
+        for (_, answer), refusal in zip(waiting, refusals, strict=True):
             if not answer.done():
                 answer.set_result(refusal)
 
