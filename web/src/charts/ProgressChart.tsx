@@ -1,10 +1,11 @@
 // One measure over the sessions: value, its spread, what happened meanwhile, and whether the change is real.
 import { useMemo } from 'react';
 import type uPlot from 'uplot';
-import type { ProgressEvent, ProgressMeasure } from '../api/types';
+import type { Estimator, ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
 import { date, dateTime, difference, displayUnit, number, pair, quantity, span, tick } from '../lib/format';
 import { BASELINE } from '../lib/assessment/baseline';
+import { estimatorTitle } from '../lib/sessions';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
@@ -123,10 +124,12 @@ const DATE_PX = 76;
 export function ProgressChart({
   measure,
   events,
+  estimators,
   height = 260,
 }: {
   measure: ProgressMeasure;
   events: readonly ProgressEvent[];
+  estimators: readonly Estimator[];
   height?: number;
 }) {
   const unit = displayUnit(measure.unit);
@@ -250,7 +253,7 @@ export function ProgressChart({
                   {quantity(point.low, measure.unit)} – {quantity(point.high, measure.unit)}
                 </td>
                 <td className="number">{point.count}</td>
-                <td>{point.orientation}</td>
+                <td>{estimatorTitle(point, estimators)}</td>
               </tr>
             ))}
           </tbody>

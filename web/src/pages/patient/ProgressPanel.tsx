@@ -2,7 +2,7 @@ import { Button, Select } from '@mantine/core';
 import { IconChartLine } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link } from 'react-router';
-import { usePrescriptions, useProgress } from '../../api/queries';
+import { useEstimators, usePrescriptions, useProgress } from '../../api/queries';
 import type { Progress, ProgressMeasure } from '../../api/types';
 import { BandLegend, ProgressChart, verdictOf } from '../../charts/ProgressChart';
 import { Answer, Empty } from '../../components/Feedback';
@@ -12,6 +12,7 @@ import { quantity } from '../../lib/format';
 const SHOWN_FIRST = 3;
 
 function Measure({ measure, events }: { measure: ProgressMeasure; events: Progress['events'] }) {
+  const estimators = useEstimators().data ?? [];
   const last = measure.points.at(-1);
   return (
     <div className="measure">
@@ -26,7 +27,7 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
         <p className={measure.points.at(-1)?.is_real_change ? 'strong' : 'muted'}>{verdictOf(measure)}</p>
       </div>
       {measure.points.length > 1 ? (
-        <ProgressChart measure={measure} events={events} />
+        <ProgressChart measure={measure} events={events} estimators={estimators} />
       ) : (
         <BandLegend bands={measure.bands} unit={measure.unit} />
       )}

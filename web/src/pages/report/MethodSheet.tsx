@@ -4,6 +4,7 @@ import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
 import { channelLabel, placementLabel } from '../../lib/channels';
 import { date, number } from '../../lib/format';
+import { estimatorTitle } from '../../lib/sessions';
 import { scoreText } from '../session/live/Calibration';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
@@ -18,7 +19,6 @@ interface MethodProps extends ReportProps {
 export function MethodSheet({ session, patient, comparison, template, estimators, exercise }: MethodProps) {
   const version = useVersion().data?.version;
   const result = session.results.find((one) => one.id === (comparison?.result_id ?? session.main_result_id)) ?? null;
-  const estimator = estimators.find((one) => one.name === result?.orientation);
   const all = session.packets_stored + session.packets_missing;
   const dropped = (comparison?.repetitions ?? []).filter((one) => !one.repetition.is_kept);
   const gaps = session.events.filter((event) => event.kind === 'gap');
@@ -38,7 +38,7 @@ export function MethodSheet({ session, patient, comparison, template, estimators
       t('report.estimator'),
       result
         ? t('report.estimatorText', {
-            title: estimator?.title ?? result.orientation,
+            title: estimatorTitle(result, estimators),
             version: result.orientation_version,
             pipeline: result.pipeline_version,
             kind: result.kind === 'live' ? t('result.live') : t('result.offline'),
