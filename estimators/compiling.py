@@ -90,6 +90,15 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                 raise
             self.disable_compile()
 
+    @property
+    def ready(self) -> Any:
+        """What was compiled or loaded for the one signature of a kernel; makes it ready where it is not."""
+        if not self.overloads:
+            # What is ready is not asked to be: that would wait for whoever compiles something else.
+            self.prepare()
+        (found,) = self.overloads.values()
+        return found
+
     def compile(self, sig: Any) -> Any:
         """Compile for a signature or load it; other processes that want the same wait and load what was made here."""
         with global_compiler_lock:
@@ -129,6 +138,15 @@ def _alone(cache: Any) -> Iterator[None]:
         yield
 
 
+def unchecked(function: F) -> F:
+    """Return a kernel with one signature as one calls it who answers for the types of what he hands over.
+
+    Called as usual, a kernel is asked each time whether its arguments are those of its signature; of named tuples that
+    is done in Python, and takes longer than short work itself. Here wrong ones are read as if they were right.
+    """
+    return cast(F, cast(Kernel, function).ready.entry_point)
+
+
 _ALWAYS: Final = {"nopython": True, "boundscheck": None, "nogil": True, "error_model": "numpy"}
 
 
@@ -156,4 +174,4 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
     return decorate
 
 
-__all__ = ["Kernel", "NotCompiled", "compiled", "only_cached"]
+__all__ = ["Kernel", "NotCompiled", "compiled", "only_cached", "unchecked"]

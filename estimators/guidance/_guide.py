@@ -7,7 +7,7 @@ from typing import Any, Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiling import Kernel
+from estimators.compiling import Kernel, unchecked
 from estimators.errors import SetupError, ShapeError
 from estimators.guidance._contract import (
     KINDS,
@@ -143,6 +143,7 @@ class Guide:
         self._state["pace"] = 1.0 / ready.duration_s
         self._memory, self._work = _room_for(ready, rest_ticks, max(3, round(SLOPE_S / tick_s) + 1))
         self._make_room(_PACKET_TICKS)
+        self._run = run
 
     @staticmethod
     def prepare() -> None:
@@ -203,7 +204,7 @@ class Guide:
         follow, deviation, deviation_sigma = np.empty((ticks, OUT)), np.empty(shape), np.empty(shape)
         out = Out(follow, deviation, deviation_sigma, *self._ended)
         spoken = self._spoken
-        is_sound = run(
+        is_sound = self._run(
             values,
             sigma,
             self._settings,
@@ -216,6 +217,9 @@ class Guide:
             self._said,
             spoken,
         )
+        if self._run is run:
+            # The first was checked; what comes after it is of the same types.
+            self._run = unchecked(run)
         if not is_sound:
             raise ShapeError("values must be finite or NaN, sigma not negative, finite or NaN")
         cues, stops = spoken.counts.tolist()
@@ -275,6 +279,7 @@ class Guide:
         memory = Memory(**{k: restored(state, k, v) for k, v in self._memory._asdict().items()})
         said = Said(**{k: restored(state, f"said_{k}", v) for k, v in self._said._asdict().items()})
         self._state, self._memory, self._said = record, memory, said
+        self._run = run
 
 
 def _repetitions(out: Out) -> tuple[CountedRepetition, ...]:

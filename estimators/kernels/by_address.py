@@ -17,11 +17,7 @@ from estimators.compiling import Kernel
 
 def address_of(kernel: Callable[..., Any]) -> int:
     """Return where a kernel with one signature is in this process, compiled or loaded; for `caller`."""
-    made = cast(Kernel, kernel)
-    if not made.overloads:
-        # What is ready is not asked to be: that would wait for whoever compiles something else.
-        made.prepare()
-    (found,) = made.overloads.values()
+    found = cast(Kernel, kernel).ready
     address = int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
     if not address:
         # Called, it would end the process.

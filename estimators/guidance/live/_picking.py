@@ -18,7 +18,7 @@ from estimators.comparison.channels.trajectory import (
     legs_forward,
     segments_behind,
 )
-from estimators.compiling import Kernel, compiled
+from estimators.compiling import Kernel, compiled, unchecked
 from estimators.guidance._contract import GuidanceTemplate
 from estimators.guidance._template import is_place, shoulder_of
 from estimators.kernels import VOID, bundle
@@ -131,6 +131,7 @@ class Picking:
 
     def __init__(self, ready: GuidanceTemplate) -> None:
         self._ready = ready
+        self._write = _pick
         self._layout: FrameLayout | None = None
 
     @staticmethod
@@ -143,22 +144,26 @@ class Picking:
         layout = frames.layout
         if layout is not self._layout and layout != self._layout:
             self._layout, self._places = layout, _places(self._ready, layout)
+            self._write = _pick
             self._legs = leaning_segments(layout) if (self._places.kind == _LEG).any() else []
         ticks = len(frames.angle_rad)
         leg_rad = legs_forward(frames, self._legs) if self._legs else np.empty((ticks, 0))
         values, sigma = np.empty((2, ticks, len(self._ready.channels)))
-        _pick(
+        self._write(
             np.ascontiguousarray(frames.angle_rad, float),
             np.ascontiguousarray(frames.angle_sigma_rad, float),
-            np.ascontiguousarray(frames.angle_flags),
+            np.ascontiguousarray(frames.angle_flags, np.uint8),
             np.ascontiguousarray(frames.scalar, float),
             np.ascontiguousarray(frames.point_room_m, float).reshape(ticks, -1),
-            leg_rad,
-            np.ascontiguousarray(frames.segment_flags),
+            np.ascontiguousarray(leg_rad, float),
+            np.ascontiguousarray(frames.segment_flags, np.uint8),
             self._places,
             values,
             sigma,
         )
+        if self._write is _pick:
+            # The first was checked; what comes with this layout is of the same types.
+            self._write = unchecked(_pick)
         return values, sigma
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estimators.comparison import trajectory
+from estimators.compiling import Kernel
 from estimators.guidance import Guide, signals
 from estimators.guidance.live import Picking
 from estimators.orientation import OrientationFlag
@@ -78,3 +79,15 @@ def test_the_guide_says_the_same_of_packets_as_of_the_whole(guided) -> None:
     assert repr([one for part in chunks for one in part.cues]) == repr(list(whole.cues))
     assert whole.repetitions
     assert whole.cues
+
+
+def test_types_are_looked_at_with_the_first_packet_alone(guided) -> None:
+    """Numba looks at named tuples in Python, packet by packet."""
+    ready, frames = guided
+    picking, guide = Picking(ready), Guide(ready, STEP_S)
+    first, second = packets(frames)[:2]
+    for one in (first, second):
+        assert isinstance(picking._write, Kernel) == isinstance(guide._run, Kernel) == (one is first)
+        guide.feed(*picking.pick(one))
+    guide.restore(guide.state())
+    assert isinstance(guide._run, Kernel)

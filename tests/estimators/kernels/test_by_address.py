@@ -1,4 +1,4 @@
-"""Kernels called by their address: what they return, what they raise, and that nobody's arrays are forgotten."""
+"""Kernels called by their address, or unchecked: what they return and raise, and that nobody's arrays are forgotten."""
 
 import sys
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import types
 
-from estimators.compiling import compiled
+from estimators.compiling import compiled, unchecked
 from estimators.kernels.by_address import address_of, caller
 from estimators.recording import Float
 
@@ -36,6 +36,16 @@ def test_the_result_is_that_of_the_kernel() -> None:
     address = address_of(_scaled_sum)
     assert [_called(address, values, 2) for _ in range(100)] == [_scaled_sum(values[1:], 2.0)] * 100
     assert sys.getrefcount(values) == users
+
+
+def test_a_kernel_that_is_not_asked_for_types_returns_the_same() -> None:
+    values = np.arange(12.0).reshape(4, 3)
+    users = sys.getrefcount(values)
+    direct = unchecked(_scaled_sum)
+    assert [direct(values[1:], 2.0) for _ in range(100)] == [_scaled_sum(values[1:], 2.0)] * 100
+    assert sys.getrefcount(values) == users
+    with pytest.raises(ValueError, match="must not be negative"):
+        direct(values, -1.0)
 
 
 def test_what_the_kernel_raises_comes_through() -> None:
