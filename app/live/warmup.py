@@ -25,13 +25,14 @@ from app.live.engine.step_thread import take_arms
 from app.network.placing.kernel import place
 from app.network.unpack_kernel import unpack
 from app.recordings.analysis.kinds import kinds
+from app.recordings.signals.frame_kernel import pack_frames, unpack_frames
 from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.guidance.live import Following
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
-from estimators.pipelines.arm.pool import CALLED
+from estimators.pipelines.arm.pool import APART, CALLED
 
 logger = logging.getLogger(__name__)
 
@@ -73,18 +74,21 @@ def warm_up(kind: Kind) -> None:
     if kind == GUIDANCE:
         Following.prepare()
         return
-    # The general way needs them, too: whoever prepares the engine meanwhile begins with others.
+    # The general way needs them, too.
     of_packets = (unmask, unpack)
     if kind == ENGINE:
-        # First what a pipeline needs, too, the filter last: it takes longest, and whoever warms up a pipeline
-        # meanwhile begins with it.
-        *others, filter_kernel = CALLED[::-1]
-        for kernel in (*others, take_arms, place, write_blocks, *of_packets, filter_kernel):
-            cast(Kernel, kernel).prepare()
+        # Half of what an arm needs comes first; whoever warms up an arm meanwhile begins with the other half.
+        _prepare(*APART, pack_frames, unpack_frames, take_arms, place, write_blocks, *of_packets, *CALLED)
         return
+    if kind == FIRST:
+        _prepare(*of_packets, *CALLED[:0:-1])
     pipeline, orientation = kind
     kinds()[pipeline].warm_up(orientation)
-    for kernel in of_packets:
+    _prepare(*of_packets)
+
+
+def _prepare(*kernels: Callable[..., object]) -> None:
+    for kernel in kernels:
         cast(Kernel, kernel).prepare()
 
 

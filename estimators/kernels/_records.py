@@ -35,6 +35,11 @@ def rows(kind: DTypeLike) -> Any:
     return types.Array(numba.from_dtype(kind), 1, "C")
 
 
+def one(kind: DTypeLike) -> Any:
+    """Return numba's type of a single record."""
+    return numba.from_dtype(kind)
+
+
 def bundle(kind: type[Any], *columns: Any) -> Any:
     """Return numba's type of a named tuple of arrays, which says once what a kernel reads or writes."""
     return types.NamedTuple(columns, kind)
@@ -79,4 +84,4 @@ def restored(state: Mapping[str, NDArray[Any]], name: str, like: NDArray[Any]) -
     return values
 
 
-__all__ = ["VOID", "Fields", "Record", "bundle", "filled", "record", "restored", "rows", "step"]
+__all__ = ["VOID", "Fields", "Record", "bundle", "filled", "one", "record", "restored", "rows", "step"]

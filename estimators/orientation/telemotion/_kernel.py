@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply
-from estimators.kernels import Record, borrowing
+from estimators.kernels import VOID, Record, borrowing, one
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import Estimates, Ticks, run_signature
 from estimators.orientation.telemotion._block import (
@@ -71,9 +72,12 @@ _SETTLING = 1.0 / 3.0
 _UNSURE = math.radians(5.0)
 _UNKNOWN = 1.0
 """Variance of a heading while there is a field that is not yet met."""
+_COVARIANCE = types.float64[::1]
+_ROOM = (types.float64[:, ::1], types.int64[:, ::1], types.float64[:, ::1], types.float64[::1])
+"""`rows`, `index`, `value` and `work`."""
 
 
-@borrowing()
+@borrowing(VOID(_COVARIANCE, one(STATE), types.int64, one(SETTINGS), *_ROOM))
 def end_block(
     p: Float,
     memory: Record,
@@ -160,7 +164,12 @@ def advance(
         end_block(p, memory, tick, settings, rows, index, value, work)
 
 
-@borrowing()
+@borrowing(
+    VOID(
+        *(_COVARIANCE, one(STATE), types.int64, one(SAMPLE), types.boolean, one(SAMPLE), one(SETTINGS)),
+        *_ROOM,
+    )
+)
 def fill_gap(
     p: Float,
     memory: Record,
@@ -343,4 +352,4 @@ def run(
         follow(ticks, s, settings_of_all[0], state[s], flat[s], out, rows, index, value, work, samples, q)
 
 
-__all__ = ["run"]
+__all__ = ["end_block", "fill_gap", "run"]

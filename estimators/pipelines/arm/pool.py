@@ -12,8 +12,9 @@ from estimators.kernels.by_address import address_of
 from estimators.kernels.slots import into_row
 from estimators.leg._kernel import leg_kernel
 from estimators.orientation.telemotion import TelemotionEstimator
-from estimators.orientation.telemotion._kernel import run
+from estimators.orientation.telemotion._kernel import end_block, fill_gap, run
 from estimators.pipelines._contract import Frames, Pipeline
+from estimators.pipelines.arm.kernel import compose
 from estimators.pipelines.arm.pipeline import ArmPipeline
 from estimators.pipelines.arm.pooled_kernel import step_arms
 from estimators.pipelines.arm.rows import ArmRows, ArmTables, ArmWork, arm_rows, arm_work
@@ -22,6 +23,8 @@ from estimators.recording import Float
 
 CALLED: Final[tuple[Callable[..., Any], ...]] = (run, evaluate_kernel, leg_kernel, mass_centre)
 """Kernels that the step calls by their address: of filter, arm model, legs and centre of mass."""
+APART: Final[tuple[Callable[..., Any], ...]] = (end_block, fill_gap, compose)
+"""Most of the filter, and how it is put on the segments: another process may compile these while one does the rest."""
 STRETCH_TICKS: Final = 64
 """Most ticks of a stretch: those of the longest packet, and one more off the grid."""
 _STORED: Final = Columns._fields.index("segment_sigma_rad")
@@ -168,4 +171,4 @@ class ArmPool:
         return Frames(self.layout, first_tick, self._time_step_s, *found)
 
 
-__all__ = ["CALLED", "STRETCH_TICKS", "ArmPool"]
+__all__ = ["APART", "CALLED", "STRETCH_TICKS", "ArmPool"]
