@@ -17,6 +17,8 @@ THOROUGH_EVERY_TURNS: Final = 4
 """Turns after which a session is settled and its health is published; in the others it is only looked at."""
 AT_ONCE_S: Final = 0.002
 """Sessions are settled one after the other for so long, then packets come first again."""
+STOOD_STILL_S: Final = 0.5
+"""Woken so much too late, the service itself stood still: what has arrived meanwhile is still to be read."""
 LINK_LOST_AFTER_S: Final = 2.0
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
@@ -75,6 +77,7 @@ class Housekeeping:
         self._goodbye_close_s = goodbye_close_s
         self._longest_s = longest_s
         self._abandoned_s: dict[str, float] = {}
+        self._has_stood_still = False
         self.is_behind: Callable[[], bool] = lambda: False
         """Whether packets that have arrived are still to be read: then nobody is silent."""
 
@@ -90,7 +93,9 @@ class Housekeeping:
         """Look after the sessions until cancelled."""
         turn = 0
         while True:
+            began_s = time.monotonic()
             await asyncio.sleep(PERIOD_S)
+            self._has_stood_still = time.monotonic() - began_s > PERIOD_S + STOOD_STILL_S
             turn += 1
             until_s = 0.0
             for number, session in enumerate(self._sessions()):
@@ -114,7 +119,8 @@ class Housekeeping:
         if is_thorough:
             # What follows sees the session as it was last settled: once a second is often enough.
             session.settle()
-        silence_s = 0.0 if self.is_behind() else time.monotonic() - session.last_arrival_s
+        is_unknown = self._has_stood_still or self.is_behind()
+        silence_s = 0.0 if is_unknown else time.monotonic() - session.last_arrival_s
         ledger = session.now.ledger
         if silence_s > REORDER_PATIENCE_S:
             session.silent()

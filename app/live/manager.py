@@ -109,6 +109,7 @@ class LiveManager(SteeredSide):
             note=self._note_where,
             between_turns=shared.pooled.between_turns,
         )
+        self._housekeeping.is_behind = lambda: shared.pooled.is_behind
         self._marks = Marks(MARK_S)
         self._is_stopping = False
         self._housekeeper: asyncio.Task[None] | None = None

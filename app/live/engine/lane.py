@@ -92,9 +92,7 @@ class Pooled(Protocol):
     def took(self, taken: Sequence[TakenPacket], runs: Sequence[PacketRun], *, is_live: bool) -> None:
         """Store and count packets that were placed in order, all of them as they were measured or none."""
 
-    def after_pooled(
-        self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None, *, is_live: bool
-    ) -> None:
+    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
         """Store and count what was found.
 
         `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
@@ -139,6 +137,8 @@ class Lane:
         """Whether nothing can have moved the session since `is_ready` last looked at it closely."""
         self.taken = 0
         """Packets that compiled code took."""
+        self.tries = 0
+        """Calls that left packets waiting behind a rare one, since compiled code took the last."""
         self._frames = session.channels["frames"]
         self.pool: SessionPool | None = None
         self.slot = -1
@@ -260,6 +260,7 @@ class Lane:
             # What came as it was measured is counted apart from what was filled in.
             self.settle()
         self.taken += 1
+        self.tries = 0
         self._taken.append((row, message, arrival_s, arrival_ns))
         ticks = row[TICKS]
         self._ticks += ticks
@@ -329,7 +330,7 @@ class Lane:
         if last[TICKS] and (last[IS_FLAWED] or parts.health.has_gaps):
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s
             chunk = session.recent.chunk(first_tick, next_tick, step_s)
-        session.after_pooled(frames, whole, chunk, is_live=is_live)
+        session.after_pooled(frames, whole, chunk)
 
 
 __all__ = ["ARRIVAL_S", "Lane", "Parts", "TakenPacket"]

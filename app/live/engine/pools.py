@@ -225,6 +225,7 @@ class SessionPool:
         """Let the rows of a session's frames be written anew."""
         x: Any = self.network.slot[slot]
         x["frame_row"] = 0
+        # Where a rare packet stands before what waits, the session's row is filled anew before any other is taken.
         if x["blocked"] == WAITS:
             x["blocked"] = ORDINARY
 

@@ -30,10 +30,14 @@ SHORTEST_WAIT_S: Final = 0.004
 LATE_S: Final = 0.1
 """After a turn that lasted longer views go without: of the packets of a session in a turn only the newest is shown,
 until a turn lasts half as long. What is estimated and stored stays whole."""
+BEHIND_S: Final = 1.0
+"""While a turn has lasted longer, and so long after it, packets that have arrived may be still to be taken."""
 WAIT_PER_WORK: Final = 1.0
 """A turn waits so many times as long as the one before lasted: the more there is, the more is taken together."""
 PATIENCE_S: Final = 0.25
 """Who waits for the time between two turns waits no longer."""
+TRIES: Final = 3
+"""So often what waits behind rare packets of a session is tried, then it is taken to be as rare: a try costs a call."""
 ASKED: Final = 12
 """Packets of one pool that are worth a wake of its thread, some 0.1 ms; fewer are taken at once."""
 
@@ -66,7 +70,7 @@ class PooledEngine:
         self.unshown = 0
         """Blocks that somebody would have watched, left out because turns were late."""
         self.is_late = False
-        self._began_s, self._is_giving = 0.0, False
+        self._began_s, self._lasted_s, self._is_giving = 0.0, 0.0, False
         self.is_being_prepared: Callable[[], bool] = lambda: False
         """Asked before a session joins a pool: until the kernels are there its packets take the general way."""
 
@@ -153,6 +157,14 @@ class PooledEngine:
         found, self._longest_since_asked_s = self._longest_since_asked_s, 0.0
         return max(found, time.perf_counter() - self._began_s) if self._open else found
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether somebody whose packets have arrived may look silent."""
+        since_s = time.perf_counter() - self._began_s
+        if self._open:
+            return since_s > BEHIND_S
+        return self._lasted_s > BEHIND_S and since_s < self._lasted_s + BEHIND_S
+
     async def between_turns(self) -> None:
         """Return when no thread works on packets: whoever settles sessions then does not hold up the event loop.
 
@@ -194,7 +206,7 @@ class PooledEngine:
         if self._open or self._is_giving:
             return
         self._journals[1 - self._filling].clear()
-        lasted_s = time.perf_counter() - self._began_s
+        self._lasted_s = lasted_s = time.perf_counter() - self._began_s
         self.turns += 1
         self.longest_turn_s = max(self.longest_turn_s, lasted_s)
         self._longest_since_asked_s = max(self._longest_since_asked_s, lasted_s)
@@ -208,18 +220,18 @@ class PooledEngine:
     def _give(self, received: list[Received]) -> None:
         pooled: dict[SessionPool, _Items] = {}
         general: list[Received] = []
+        unready: dict[Lane, _Items] = {}
         places: dict[Lane, SessionPool | None] = {}
         for one in received:
             lane: Lane | None = one[SENDER].lane
             if lane is None:
                 general.append(one)
                 continue
-            # Asked once a turn: what follows a packet in its turn goes the way that this one went.
             if lane not in places:
                 places[lane] = self._pool_of(lane)
             pool = places[lane]
             if pool is None:
-                general.append(one)
+                unready.setdefault(lane, []).append((one, lane))
             elif pool in pooled:
                 pooled[pool].append((one, lane))
             else:
@@ -227,9 +239,28 @@ class PooledEngine:
         for pool, items in pooled.items():
             if len(items) > ITEMS:
                 _put_together(items)
-            parts = [items[start : start + ITEMS] for start in range(0, len(items), ITEMS)]
-            self._take_parts(pool, parts)
+            self._take_parts(pool, _parts_of(items))
         for one in general:
+            self._take_rare(one)
+        for items in unready.values():
+            self._take_unready(items)
+
+    def _take_unready(self, items: _Items) -> None:
+        """Take the packets of a session that is in no pool: the first the general way, the rest as it then stands.
+
+        A session whose link was lost is in a pool again behind its first packet. Where very many have waited, taking
+        all of them the general way would make the service fall further behind.
+        """
+        for number, (one, lane) in enumerate(items):
+            pool = self._pool_of(lane) if number else None
+            if pool is not None:
+                parts = _parts_of(items[number:])
+                for other, _, more in self._open:
+                    if other is pool:
+                        more += parts
+                        return
+                self._take_parts(pool, parts)
+                return
             self._take_rare(one)
 
     @staticmethod
@@ -386,8 +417,12 @@ class PooledEngine:
     def _take_others(self, pool: SessionPool, items: _Items, rows: list[tuple[Any, ...]]) -> list[_Items]:
         """Take the packets that compiled code left; return those that it takes now, as a part."""
         waiting: _Items = []
+        tried: set[Lane] = set()
         for (one, lane), row in zip(items, rows, strict=True):
-            if row[STATUS] == RARE:
+            if row[STATUS] == WAITS and lane not in tried:
+                tried.add(lane)
+                lane.tries += 1
+            if row[STATUS] == RARE or (row[STATUS] == WAITS and lane.tries > TRIES):
                 lane.forget()
                 self._take_rare(one)
             elif row[STATUS] == WAITS:
@@ -410,6 +445,11 @@ class PooledEngine:
             logger.exception("a packet could not be taken")
             if lane is not None:
                 lane.session.line.stop(error)
+
+
+def _parts_of(items: _Items) -> list[_Items]:
+    """Return packets as the parts that one call each takes."""
+    return [items[start : start + ITEMS] for start in range(0, len(items), ITEMS)]
 
 
 def _put_together(items: _Items) -> None:

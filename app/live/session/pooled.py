@@ -158,16 +158,15 @@ class PooledSession(CalibratedSession):
             parts.health.add_packets(arrived)
             parts.skew.add(arrived)
 
-    def after_pooled(
-        self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None, *, is_live: bool
-    ) -> None:
+    def after_pooled(self, frames: Frames, whole: Sequence[int], chunk: ImuChunk | None) -> None:
         """Store and count what the pooled engine found; whoever wants frames at once has seen them.
 
         `whole` has the ticks of each packet whose samples were all measured; `chunk` those of the last that is not so.
         """
         health, ticks = self.now.health, frames.tick_count
         if self.guidance is not None and not self.guidance.is_following:
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=is_live)
+            # It takes note of the time alone.
+            self.guidance.see(frames, is_counting=self.state == "recording", is_live=False)
         self.store_frames(frames)
         health.set_flags(frames.layout.segments, frames.segment_flags)
         health.add_whole(whole)

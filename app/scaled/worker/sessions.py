@@ -136,7 +136,7 @@ class PartitionSessions(LiveManager):
 
     def behind(self, is_behind: Callable[[], bool]) -> None:
         """Have nobody taken for silent while packets that have arrived are still to be read."""
-        self._housekeeping.is_behind = is_behind
+        self._housekeeping.is_behind = lambda: is_behind() or self.pooled.is_behind
 
     def _note_where(self, session: LiveSession, *, is_last: bool = False) -> None:
         # Checkpoints are stored with the position of the stream.

@@ -9,8 +9,10 @@ from sqlalchemy import Engine
 
 from app.live.engine import turns
 from app.live.engine.pools import FRAME_ROWS
+from app.live.engine.turns import PooledEngine
 from app.live.manager import ENDINGS, LiveManager
 from app.network.packet import PacketFlag, with_flags
+from estimators.pipelines import Frames
 from tests.app.live.engine.both_ways import Faults, offer, packets_of, worn
 from tests.app.live.engine.test_both_ways import (
     ARM,
@@ -94,6 +96,19 @@ def test_a_pause_of_the_link_does_not_leave_the_compiled_way(
     asyncio.run(run())
 
 
+class Watching:
+    """A guide that is told everything at once; which ticks were measured when they came."""
+
+    is_following = True
+
+    def __init__(self) -> None:
+        self.ticks: list[tuple[int, bool]] = []
+
+    def see(self, frames: Frames, *, is_counting: bool, is_live: bool) -> None:
+        stop = frames.first_tick + frames.tick_count
+        self.ticks += [(tick, is_live) for tick in range(frames.first_tick, stop)]
+
+
 @pytest.mark.parametrize("asked", [1, 1000])
 def test_what_comes_behind_a_rare_packet_is_taken_together(
     manager: LiveManager, world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch, asked: int
@@ -104,6 +119,9 @@ def test_what_comes_behind_a_rare_packet_is_taken_together(
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
         ordinary, rare = manager.pooled.ordinary, manager.pooled.rare
+        watching = [Watching(), Watching()]
+        for session, guide in zip(pair.sessions, watching, strict=True):
+            session.guidance = guide  # type: ignore[assignment]
         filled_in = [with_flags(data, PacketFlag.BACKFILLED) for data in packets[1:8]]
         sent = [*filled_in, *packets[8:40], *packets[30:40], *packets[40:100]]
         assert len(sent) > turns.ITEMS
@@ -114,8 +132,76 @@ def test_what_comes_behind_a_rare_packet_is_taken_together(
         manager.pooled.turn()
         assert manager.pooled.rare - rare == 10
         assert manager.pooled.ordinary - ordinary == len(sent) - 10
+        assert watching[0].ticks == watching[1].ticks
+        assert [tick for tick, is_live in watching[1].ticks if not is_live] == list(range(5, 40))
         await pair.settle()
         pair.compare()
+
+    asyncio.run(run())
+
+
+def test_where_all_are_rare_the_rest_is_taken_to_be_as_rare(
+    manager: LiveManager, world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each try costs a call: a gateway whose packets all are broken must not cost the others sixty of them."""
+    tried = []
+    take_part = PooledEngine._take_part
+
+    def noted(self: PooledEngine, pool: Any, items: Any) -> Any:
+        tried.append(len(items))
+        return take_part(self, pool, items)
+
+    monkeypatch.setattr(turns, "ASKED", 1000)
+    monkeypatch.setattr(PooledEngine, "_take_part", noted)
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        broken = [data[:40] + bytes([data[40] ^ 1]) + data[41:] for data in packets[1:61]]
+        for number, data in enumerate([*broken, *packets[1:4]]):
+            at_s = 200.0 + 0.05 * number
+            pair.general.take_rare(data, at_s, int(1e9 * at_s))
+            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        manager.pooled.turn()
+        assert tried == [63, 62, 61, 60]
+        for number, data in enumerate(packets[4:8]):
+            at_s = 210.0 + 0.05 * number
+            pair.general.take_rare(data, at_s, int(1e9 * at_s))
+            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        rare = manager.pooled.rare
+        manager.pooled.turn()
+        assert manager.pooled.rare == rare
+        await pair.settle()
+        pair.compare()
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("asked", [1, 1000])
+def test_behind_the_first_packet_of_a_link_that_is_back_packets_are_taken_together(
+    manager: LiveManager, world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch, asked: int
+) -> None:
+    """Also where others stream: what has waited of a session that is in no pool goes behind theirs."""
+    monkeypatch.setattr(turns, "ASKED", asked)
+
+    async def run() -> None:
+        pair, packets = await begun(manager, world, engine)
+        stream = worn(swaying(SECONDS)[1], ARM)
+        other = await pair_of(manager, world, stream)
+        others = packets_of(stream, PLAIN, np.random.default_rng(0))
+        other.give(others[:2], np.random.default_rng(0))
+        for one in pair.sessions:
+            one.link_lost("")
+        rare, at_s = manager.pooled.rare, 200.0
+        for number in range(1, 101):
+            at_s += 0.05
+            for one, sent in ((other, others[number + 1]), (pair, packets[number])):
+                one.general.take_rare(sent, at_s, int(1e9 * at_s))
+                offer(manager.pooled, one.pooled, sent, 0, at_s)
+        manager.pooled.turn()
+        assert manager.pooled.rare - rare == 1
+        for one in (pair, other):
+            await one.settle()
+            one.compare()
 
     asyncio.run(run())
 
