@@ -35,7 +35,7 @@ def rows(kind: DTypeLike) -> Any:
     return types.Array(numba.from_dtype(kind), 1, "C")
 
 
-def one(kind: DTypeLike) -> Any:
+def single(kind: DTypeLike) -> Any:
     """Return numba's type of a single record."""
     return numba.from_dtype(kind)
 
@@ -84,4 +84,4 @@ def restored(state: Mapping[str, NDArray[Any]], name: str, like: NDArray[Any]) -
     return values
 
 
-__all__ = ["VOID", "Fields", "Record", "bundle", "filled", "one", "record", "restored", "rows", "step"]
+__all__ = ["VOID", "Fields", "Record", "bundle", "filled", "record", "restored", "rows", "single", "step"]

@@ -57,7 +57,11 @@ class RightsDesk:
         refusal, raised_at = await answer
         if refusal is not None:
             # Many sockets may share it: its traceback must not grow with each.
-            raise refusal.with_traceback(raised_at)
+            try:
+                raise refusal.with_traceback(raised_at)
+            finally:
+                # Else each holds the other until the collector comes, which it rarely does.
+                del refusal, raised_at
 
     def end(self) -> None:
         """Answer nobody any more."""
@@ -95,6 +99,7 @@ class RightsDesk:
         for (_, answer), refusal in zip(waiting, refusals, strict=True):
             if not answer.done():
                 answer.set_result(refusal)
+        del found, refusals, refusal
 
 
 __all__ = ["MOST_AT_ONCE", "RightsDesk"]

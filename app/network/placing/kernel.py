@@ -2,7 +2,7 @@
 
 What `decode_packet`, `PacketClock`, `Unpacker` and `Aligner` do to a packet that comes next in its session, in one
 call for the packets of many sessions, with the same numbers to the last bit. Whatever else comes (a gap, a repeated or
-reordered packet, another clock, a wrong byte) changes nothing here and is left to them.
+reordered packet, one that fills a gap, another clock, a wrong byte) changes nothing here and is left to them.
 """
 
 import math
@@ -52,7 +52,7 @@ _MAGIC_FIELD, _CHANNELS, _RESERVED, _SEQUENCE, _TIME, _INTERVAL, _CRC = (
 """Where a field begins in a packet, and of those that are more than a byte how many they are."""
 _CLIPPED, _BACKFILLED = int(PacketFlag.SATURATED), int(PacketFlag.BACKFILLED)
 _FLOAT32, _INT16 = 0, 1
-_BRIDGED, _MISSING, _LATE = (
+_BRIDGED, _MISSING, _FILLED_IN = (
     int(SampleQuality.BRIDGED),
     int(SampleQuality.MISSING),
     int(SampleQuality.BACKFILLED),
@@ -136,7 +136,7 @@ def _unpacked(
     channels, sensors, ticks = signals.shape[0], signals.shape[1], signals.shape[2]
     width, at = x.width, item.offset + HEADER_BYTES
     is_clipped = packets.data[item.offset + _FLAGS] & _CLIPPED != 0
-    every = _LATE if item.is_backfilled else 0
+    every = _FILLED_IN if item.is_backfilled else 0
     size = ticks * sensors * width
     levels, last, same = network.clip_levels[s], network.last_sent[s], network.same_ticks[s]
     if packets.data[item.offset + _ENCODING] == _INT16:
@@ -256,7 +256,7 @@ def _remember(s: int, item: Record, network: Network, signals: Float, quality: N
         at = (item.first_tick + k) % length
         for i in range(quality.shape[0]):
             network.recent_quality[s, at, i] = quality[i, k]
-            if quality[i, k] & ~_LATE:
+            if quality[i, k] & ~_FILLED_IN:
                 item.is_flawed = 1
         for c in range(signals.shape[0]):
             for i in range(quality.shape[0]):
@@ -361,8 +361,8 @@ def _placed(
 
 
 @borrowing()
-def _was_here(item: Record, x: Record, packets: Packets) -> bool:
-    """Whether a packet stands before the next one, by its sequence."""
+def _is_before(item: Record, x: Record, packets: Packets) -> bool:
+    """Whether a packet stands before the next one that is expected, by its sequence."""
     if item.length < HEADER_BYTES:
         return False
     ahead = (np.int64(_number(packets.data, item.offset, _SEQUENCE)) - x.next_sequence) & 0xFFFFFFFF
@@ -385,8 +385,8 @@ def _take(
             and _placed(s, item, x, packets, network, placed)
         ):
             x.blocked = RARE
-    elif x.blocked == RARE and not _was_here(item, x, packets):
-        # It may be ordinary once the rare one before it was taken; what is repeated never is.
+    elif x.blocked == RARE and not _is_before(item, x, packets):
+        # It may be ordinary once the rare one before it was taken; what stands further back never is.
         x.blocked = WAITS
     item.status = x.blocked
     if item.status != ORDINARY:

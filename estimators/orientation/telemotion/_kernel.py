@@ -7,7 +7,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply
-from estimators.kernels import VOID, Record, borrowing, one
+from estimators.kernels import VOID, Record, borrowing, single
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import Estimates, Ticks, run_signature
 from estimators.orientation.telemotion._block import (
@@ -77,7 +77,7 @@ _ROOM = (types.float64[:, ::1], types.int64[:, ::1], types.float64[:, ::1], type
 """`rows`, `index`, `value` and `work`."""
 
 
-@borrowing(VOID(_COVARIANCE, one(STATE), types.int64, one(SETTINGS), *_ROOM))
+@borrowing(VOID(_COVARIANCE, single(STATE), types.int64, single(SETTINGS), *_ROOM))
 def end_block(
     p: Float,
     memory: Record,
@@ -166,7 +166,15 @@ def advance(
 
 @borrowing(
     VOID(
-        *(_COVARIANCE, one(STATE), types.int64, one(SAMPLE), types.boolean, one(SAMPLE), one(SETTINGS)),
+        *(
+            _COVARIANCE,
+            single(STATE),
+            types.int64,
+            single(SAMPLE),
+            types.boolean,
+            single(SAMPLE),
+            single(SETTINGS),
+        ),
         *_ROOM,
     )
 )
