@@ -80,11 +80,11 @@ def warm_up(kind: Kind) -> None:
         # Half of what an arm needs comes first; whoever warms up an arm meanwhile begins with the other half.
         _prepare(*APART, pack_frames, unpack_frames, take_arms, place, write_blocks, *of_packets, *CALLED)
         return
+    _prepare(*of_packets)
     if kind == FIRST:
-        _prepare(*of_packets, *CALLED[:0:-1])
+        _prepare(*CALLED[:0:-1])
     pipeline, orientation = kind
     kinds()[pipeline].warm_up(orientation)
-    _prepare(*of_packets)
 
 
 def _prepare(*kernels: Callable[..., object]) -> None:

@@ -84,16 +84,21 @@ def test_a_pause_of_the_link_does_not_leave_the_compiled_way(
         pair, packets = await begun(manager, world, engine)
         assert 5 * len(packets) > FRAME_ROWS
         rare = manager.pooled.rare
-        for number, data in enumerate(packets[1:]):
-            at_s = 200.0 + 0.05 * number
-            pair.general.take_rare(data, at_s, int(1e9 * at_s))
-            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        offered(pair, packets[1:])
         manager.pooled.turn()
         assert manager.pooled.rare == rare
         await pair.settle()
         pair.compare()
 
     asyncio.run(run())
+
+
+def offered(pair: Pair, packets: list[bytes], first_s: float = 200.0) -> None:
+    """Packets the general way, and for the next turn."""
+    for number, data in enumerate(packets):
+        at_s = first_s + 0.05 * number
+        pair.general.take_rare(data, at_s, int(1e9 * at_s))
+        offer(pair.manager.pooled, pair.pooled, data, 0, at_s)
 
 
 class Watching:
@@ -125,10 +130,7 @@ def test_what_comes_behind_a_rare_packet_is_taken_together(
         filled_in = [with_flags(data, PacketFlag.BACKFILLED) for data in packets[1:8]]
         sent = [*filled_in, *packets[8:40], *packets[30:40], *packets[40:100]]
         assert len(sent) > turns.ITEMS
-        for number, data in enumerate(sent):
-            at_s = 200.0 + 0.05 * number
-            pair.general.take_rare(data, at_s, int(1e9 * at_s))
-            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        offered(pair, sent)
         manager.pooled.turn()
         assert manager.pooled.rare - rare == 10
         assert manager.pooled.ordinary - ordinary == len(sent) - 10
@@ -157,16 +159,10 @@ def test_where_all_are_rare_the_rest_is_taken_to_be_as_rare(
     async def run() -> None:
         pair, packets = await begun(manager, world, engine)
         broken = [data[:40] + bytes([data[40] ^ 1]) + data[41:] for data in packets[1:61]]
-        for number, data in enumerate([*broken, *packets[1:4]]):
-            at_s = 200.0 + 0.05 * number
-            pair.general.take_rare(data, at_s, int(1e9 * at_s))
-            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        offered(pair, [*broken, *packets[1:4]])
         manager.pooled.turn()
         assert tried == [63, 62, 61, 60]
-        for number, data in enumerate(packets[4:8]):
-            at_s = 210.0 + 0.05 * number
-            pair.general.take_rare(data, at_s, int(1e9 * at_s))
-            offer(manager.pooled, pair.pooled, data, 0, at_s)
+        offered(pair, packets[4:8], 210.0)
         rare = manager.pooled.rare
         manager.pooled.turn()
         assert manager.pooled.rare == rare
@@ -219,6 +215,25 @@ def test_turns_are_late_until_one_works_half_as_long(
         engine.turn()
         found.append(engine.is_late)
     assert found == [True, True, False]
+
+
+def test_behind_is_who_works_long_on_a_turn_and_a_moment_after_it(
+    manager: LiveManager, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine, now = manager.pooled, [10.0]
+    monkeypatch.setattr(turns.time, "perf_counter", lambda: now[0])
+    found = []
+
+    def lasts(received: Any) -> None:
+        now[0] += received[0][1]
+
+    monkeypatch.setattr(engine, "_give", lasts)
+    for lasted_s, since_s in ((0.5, 0.1), (1.5, 0.1), (1.5, 1.1)):
+        engine._journals[engine._filling].received = [(None, lasted_s, 0, 0, 0.0, 0)]  # type: ignore[list-item]
+        engine.turn()
+        now[0] += since_s
+        found.append(manager._housekeeping.is_behind())
+    assert found == [False, True, False]
 
 
 class Ending:
