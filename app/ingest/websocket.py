@@ -51,6 +51,9 @@ WRONG_IN_A_ROW = 1000
 """A connection that sends so many wrong messages and no right one between is ended."""
 BEHIND_S = 0.1
 """Until a packet is given again that could not be taken yet."""
+PAUSE_S = 0.25
+"""Of a connection that is too fast, at least: what it may send in that time is taken together. Far shorter than the
+silence after which a link is reported as lost."""
 _TICKS_AT = OFFSETS["tick_count"]
 TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
@@ -151,7 +154,7 @@ class IngestConnection:
         intake.pooled.offer(self, memoryview(buffer)[start : start + length], key, arrival_s, time.time_ns())
         wait_s = self._pace.take(ticks * self._step_s, arrival_s)
         if wait_s > 0.0 and self._socket is not None:
-            self._socket.slow_down(wait_s)
+            self._socket.slow_down(max(wait_s, PAUSE_S))
 
     def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int, size: int | None = None) -> None:
         """Take a packet of the short way by itself, behind those that wait; `size` stands for data that is too long."""

@@ -56,6 +56,7 @@ class LeanSocket(WebSocketsSansIOProtocol):
         self._needed = 0
         self._is_in_pieces = False
         self._until_s = 0.0
+        self._is_slowed = False
         self._timer: asyncio.TimerHandle | None = None
 
     def handle_connect(self, event: Any) -> None:
@@ -77,16 +78,23 @@ class LeanSocket(WebSocketsSansIOProtocol):
         if not self.handshake_initiated:
             super().data_received(data)
             return
-        buffer = data
-        if self._held:
-            # A frame that drips in is put together once it is whole, not with every piece.
-            self._held += data
-            if len(self._held) < self._needed:
-                return
-            buffer = bytes(self._held)
-            self._held.clear()
+        if not self._held and not self._is_slowed:
+            self._take(data)
+            return
+        # A frame that drips in is put together once it is whole, not with every piece.
+        self._held += data
+        if not self._is_slowed and len(self._held) >= self._needed:
+            self._take_held()
+
+    def _take_held(self) -> None:
+        buffer = bytes(self._held)
+        self._held.clear()
+        self._take(buffer)
+
+    def _take(self, buffer: bytes) -> None:
+        """Give whole frames on, and hold the rest: a piece of one, or all that follows where the sender is slowed."""
         at, size, self._needed = 0, len(buffer), 0
-        while size - at >= 2:
+        while size - at >= 2 and not self._is_slowed:
             length, head = buffer[at + 1] & 0x7F, 2
             if length == 126:
                 head = 4
@@ -123,9 +131,13 @@ class LeanSocket(WebSocketsSansIOProtocol):
         self._held += buffer[at:]
 
     def slow_down(self, seconds: float) -> None:
-        """Read nothing for a while: the sender is too fast, or what it sends cannot be taken yet."""
+        """Take nothing for a while: the sender is too fast, or what it sends cannot be taken yet.
+
+        What was read already waits, too: given on at once, the next would only come when its time is over.
+        """
         if self.transport.is_closing():
             return
+        self._is_slowed = True
         self._until_s = max(self._until_s, self.loop.time() + seconds)
         self.read_paused = True
         self.transport.pause_reading()
@@ -138,7 +150,10 @@ class LeanSocket(WebSocketsSansIOProtocol):
             return
         if self.loop.time() < self._until_s - 1e-3:
             self._timer = self.loop.call_at(self._until_s, self._go_on)
-        elif self.read_paused and self.queue.empty():
+            return
+        self._is_slowed = False
+        self._take_held()
+        if not self._is_slowed and self.read_paused and self.queue.empty():
             self.read_paused = False
             self.transport.resume_reading()
 

@@ -265,6 +265,8 @@ def flooding(port: int, session: Created, seconds: float, told: "multiprocessing
         if view:
             break
         sent += 1
+    # The buffers of the connection may hold all of it: what is still in them when this process ends is lost.
+    time.sleep(max(0.0, until - time.monotonic()))
     told.put(sent)
 
 
@@ -307,8 +309,8 @@ def flood(part: Part, calibration: dict[str, object], seconds: float) -> bool:
         {
             f"neighbours' p99 below {LIMIT_MS:.0f} ms": (high < LIMIT_MS, f"{high:.1f} ms"),
             "no packet of theirs lost": (kept == outcome.sent, f"{kept} of {outcome.sent}"),
-            f"at most {speed:.0f} times real time and {BURST_S:.0f} s at once taken of the flood": (
-                0 < read_s <= 1.1 * allowed_s,
+            f"{speed:.0f} times real time and {BURST_S:.0f} s at once taken of the flood, to a tenth": (
+                0.9 * allowed_s <= read_s <= 1.1 * allowed_s,
                 f"{read_s:.0f} of {allowed_s:.0f} s",
             ),
         }

@@ -121,19 +121,21 @@ def test_frames_in_any_pieces_arrive_whole_and_in_order(served: tuple[Applicatio
 
 
 def test_a_sender_that_is_slowed_down_waits(served: tuple[Application, socket.socket]) -> None:
-    """However many packets one reading held: the longest pause counts, and there is one timer."""
+    """However much one reading held: behind each message that is too much nothing is given on for a while."""
     application, connection = served
-    begin(connection, 0.4)
+    begin(connection, 0.2)
     one = frame(b"x" * 1500, 2, 9)
-    connection.sendall(20 * one)
+    began_s = time.monotonic()
+    connection.sendall(5 * one)
     until(lambda: application.reader is not None and len(application.reader.got) >= 1)
     assert application.reader is not None
-    time.sleep(0.1)
-    first = len(application.reader.got)
-    connection.sendall(20 * one)
-    time.sleep(0.15)
-    assert len(application.reader.got) == first
-    until(lambda: application.reader is not None and len(application.reader.got) == 40)
+    connection.sendall(4 * one + frame(b"end", 1, 3))
+    for count in range(1, 9):
+        assert len(application.reader.got) <= 1 + (time.monotonic() - began_s) / 0.2
+        until(lambda least=count + 1: application.reader is not None and len(application.reader.got) >= least)  # type: ignore[misc]
+    assert time.monotonic() - began_s >= 8 * 0.2 - 0.01
+    until(lambda: application.is_sent_to_nobody)
+    assert application.ordinary == ["end"]
 
 
 def test_nothing_is_handed_over_behind_the_end(served: tuple[Application, socket.socket]) -> None:
