@@ -16,6 +16,7 @@ from typing import Final
 
 from app.errors import Unavailable
 from app.live.session.runner import LiveSession
+from app.live.session.states import OPEN
 from app.sentences import say
 
 FULL: Final = say("live.full")
@@ -46,11 +47,11 @@ QUIET_S: Final = 60.0
 
 
 def crowd(sessions: Collection[LiveSession]) -> tuple[int, int]:
-    """Return how many of these stream, and how many more may at any moment."""
+    """Return how many of these stream, and how many more may at any moment: none that is being closed."""
     now_s = time.monotonic()
-    measured = [one for one in sessions if now_s - one.opened_s > WINDOW_S]
-    streaming = sum(now_s - one.last_arrival_s < WINDOW_S for one in measured)
-    return streaming, sum(now_s - one.last_arrival_s < QUIET_S for one in sessions) - streaming
+    seen = [(now_s - one.opened_s, now_s - one.last_arrival_s) for one in sessions if one.state in OPEN]
+    streaming = sum(silent_s < WINDOW_S < known_s for known_s, silent_s in seen)
+    return streaming, sum(silent_s < QUIET_S for _, silent_s in seen) - streaming
 
 
 class Admission:

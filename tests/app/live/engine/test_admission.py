@@ -12,7 +12,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import Unavailable
 from app.limits import Limits
 from app.live import repository
-from app.live.admission import FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission
+from app.live.admission import FULL, MOST_BUSY, REMEMBERED_S, USUAL_COST, WINDOW_S, Admission, crowd
 from app.live.bus import MemoryBus
 from app.live.engine.shared import Shared
 from app.live.manager import LiveManager
@@ -59,6 +59,20 @@ def test_cheap_sessions_leave_room_for_more_and_a_busy_page_closes_no_door() -> 
     measured(0.6).require_room(streaming=1, quiet=1)
     with pytest.raises(Unavailable):
         measured(MOST_BUSY).require_room(streaming=1, quiet=0)
+
+
+def test_who_streams_and_who_may_are_counted_but_nobody_who_ends() -> None:
+    now_s = time.monotonic()
+
+    def session(state: str, known_s: float, silent_s: float) -> Any:
+        return SimpleNamespace(state=state, opened_s=now_s - known_s, last_arrival_s=now_s - silent_s)
+
+    there = [session("ready", 60.0, 0.1), session("recording", 60.0, 0.1), session("calibrating", 1.0, 0.1)]
+    assert crowd(there) == (2, 1)
+    # Ten minutes without a packet: it will not stream at any moment.
+    there += [session("link_lost", 99.0, 30.0), session("link_lost", 999.0, 600.0)]
+    assert crowd(there) == (2, 2)
+    assert crowd([*there, session("closing", 60.0, 0.1), session("closing", 60.0, 30.0)]) == (2, 2)
 
 
 def test_a_thread_that_wakes_late_takes_nobody_however_little_it_uses() -> None:
@@ -136,7 +150,7 @@ def test_partitions_of_one_worker_count_their_sessions_together(
     )
     now_s = time.monotonic()
     for manager, since_s in ((one, 1.0), (one, 30.0), (other, 1.0)):
-        session = SimpleNamespace(opened_s=now_s - 100.0, last_arrival_s=now_s - since_s)
+        session = SimpleNamespace(state="ready", opened_s=now_s - 100.0, last_arrival_s=now_s - since_s)
         manager._sessions[str(len(manager.sessions))] = session  # type: ignore[assignment]
     asked: list[tuple[int, int]] = []
     monkeypatch.setattr(shared.admission, "require_room", lambda *counts: asked.append(counts))
