@@ -1,7 +1,7 @@
 """Frames as the binary blocks of `app.live.messages`, and the layout message that names their columns."""
 
 import time
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,9 +101,14 @@ def block_heads(
     columns : int
     time_step_s, published_at_s : float
     """
-    heads = np.empty(len(ticks), dtype=_HEAD)
-    _fill_heads(heads, ticks, columns, first_ticks, time_step_s, published_at_s)
-    return heads.view(np.uint32).reshape(len(ticks), HEAD_WORDS)
+    words = np.empty((len(ticks), HEAD_WORDS), dtype=np.uint32)
+    _fill_heads(_heads_of(words), ticks, columns, first_ticks, time_step_s, published_at_s)
+    return words
+
+
+def _heads_of(words: NDArray[Any]) -> NDArray[np.void]:
+    """Return memory as heads: `ndarray.view` would ask in Python whether records may lie there."""
+    return np.ndarray(words.size // HEAD_WORDS, _HEAD, words.data)
 
 
 def _fill_heads(
@@ -150,7 +155,7 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     width = 3 * angles + scalars + points + segments
     at_s = time.time() if published_at_s is None else published_at_s
     words = np.empty(HEAD_WORDS + ticks * width, "<f4")
-    head = words[:HEAD_WORDS].view(_HEAD)
+    head = _heads_of(words[:HEAD_WORDS])
     _fill_heads(head, ticks, width, frames.first_tick, frames.time_step_s, at_s)
     rows = words[HEAD_WORDS:].reshape(ticks, width)
     rows[:, :angles] = frames.angle_rad

@@ -24,6 +24,7 @@ from app.network.placing.slot import (
     room_for,
 )
 from estimators.channels import CARRIED
+from estimators.compiling import unchecked
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
 from estimators.pipelines.pooled import STRETCH, Pool, StepPool
@@ -40,6 +41,7 @@ ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
 KINDS: Final[tuple[type[Pool], ...]] = (ArmPool, RelativePool, WalkPool, StepPool)
 """Of pools, those with a compiled step first; the last takes any pipeline."""
+_FILLED: Final = ("slot", "offset", "length")
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
 _PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}
 STATUS, SEQUENCE, TIME_US, DURATION_US = (
@@ -104,6 +106,8 @@ class SessionPool:
         self.free = list(range(SESSIONS))[::-1]
         self._items = np.zeros(ITEMS, dtype=ITEM)
         self._stretches = np.zeros(ITEMS, dtype=STRETCH)
+        self._filled = tuple(self._items[name] for name in _FILLED)
+        self._stepped = tuple((self._stretches[name], self._items[name]) for name in _STEP_FIELDS)
         self._placed = room_for(channels, sensors, most_ticks, carried)
         self._carried = _columns(carried)
         self.has_coils = "coil_state" in self._carried
@@ -111,6 +115,7 @@ class SessionPool:
         self._width = len(column_names(like.layout))
         self._numbers = np.empty(most_ticks * (self._width + HEAD_WORDS), dtype=np.float32)
         self._words = self._numbers.view(np.uint32)
+        self._write = unchecked(write_blocks)
         self._time_step_s = 1.0 / like.setup.rate_hz
         self._count = 0
         self._thread: StepThread | None = None
@@ -131,7 +136,8 @@ class SessionPool:
             self._placed,
             *kind.arrays,
         )
-        return lambda request, byte: take_arms(request, byte, *arrays)
+        take = unchecked(take_arms)
+        return lambda request, byte: take(request, byte, *arrays)
 
     @property
     def answers(self) -> int | None:
@@ -153,11 +159,9 @@ class SessionPool:
         offsets, lengths : sequence of int
             Where they lie in the journal.
         """
-        self._count = len(slots)
-        items = self._items[: self._count]
-        items["slot"] = slots
-        items["offset"] = offsets
-        items["length"] = lengths
+        self._count = count = len(slots)
+        for field, values in zip(self._filled, (slots, offsets, lengths), strict=True):
+            field[:count] = values
 
     def take(self, journal: int) -> None:
         """Take them, from the first or the second journal, which is unmasked."""
@@ -166,8 +170,8 @@ class SessionPool:
             return
         packets = self._journals[journal].packets
         place(self._items, self._count, packets, self.network, self._placed, FRAME_ROWS)
-        for name in _STEP_FIELDS:
-            self._stretches[name][: self._count] = self._items[name][: self._count]
+        for stretches, items in self._stepped:
+            stretches[: self._count] = items[: self._count]
         self.kind.step(
             self._stretches, self._count, self._placed.signals, self._placed.quality, self._placed.carried
         )
@@ -245,14 +249,13 @@ class SessionPool:
             Since the epoch.
         """
         items = self._items[np.array(numbers)]
-        heads = block_heads(
-            items["ticks"], self._width, items["first_tick"], self._time_step_s, published_at_s
-        )
+        ticks = items["ticks"]
+        heads = block_heads(ticks, self._width, items["first_tick"], self._time_step_s, published_at_s)
+        sizes = HEAD_WORDS + ticks * self._width
         places = np.zeros((len(items), 3), dtype=np.int64)
-        places[:, 0], places[:, 1] = items["tick_at"], items["ticks"]
-        sizes = heads.shape[1] + items["ticks"] * self._width
-        places[1:, 2] = np.cumsum(sizes)[:-1]
-        write_blocks(places, heads, self.kind.columns, self._words, self._numbers)
+        places[:, 0], places[:, 1] = items["tick_at"], ticks
+        sizes[:-1].cumsum(out=places[1:, 2])
+        self._write(places, heads, self.kind.columns, self._words, self._numbers)
         written = self._numbers.data.cast("B")
         for start, size in zip((4 * places[:, 2]).tolist(), (4 * sizes).tolist(), strict=True):
             yield PublishedBlock(bytes(written[start : start + size]))
