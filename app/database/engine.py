@@ -107,7 +107,7 @@ def _prepare_sqlite(engine: Engine, database: str, *, synchronous: str) -> None:
             f"synchronous = {synchronous}",
             "foreign_keys = ON",
             "temp_store = MEMORY",
-            "cache_size = -16000",
+            "cache_size = -4000",
             # What is erased is overwritten, not only unlinked.
             "secure_delete = ON",
         ):
