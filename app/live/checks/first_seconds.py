@@ -104,6 +104,7 @@ class FirstSeconds:
         """The newest ticks; whoever writes them there calls `seen`."""
         self._from_tick = NOTHING
         """First tick not looked at yet; it may have left the ring."""
+        self._is_interrupted = False
         self._state = RecordingCheck(self._names, hemisphere, clip_levels)
         self._gone: set[str] = set()
         self._known: dict[tuple[str, str], Finding] = {}
@@ -146,10 +147,14 @@ class FirstSeconds:
             return
         if self._checking is not None and not self._checking.done():
             return
+        if from_tick > self._from_tick and not self._is_interrupted:
+            # Others have had the turn for so long that samples between this check and the last are gone.
+            self._state.interrupt()
+            self._is_interrupted = True
         if self._turns is not None and not self._turns.begin():
             return
         self._next_s = end_s + CHECK_EVERY_S
-        self._from_tick = NOTHING
+        self._from_tick, self._is_interrupted = NOTHING, False
         newest = self.recent.chunk(from_tick, stop_tick, self._step_s)
         self._checking = asyncio.get_running_loop().create_task(self._check(newest, end_s))
         if self._turns is not None:

@@ -95,17 +95,23 @@ class RecordingCheck:
             raise ShapeError(f"{len(self._sensors)} names for {chunk.sensor_count} sensors")
         is_next = chunk.first_tick == self._next_tick
         self._next_tick = chunk.first_tick + chunk.tick_count
-        if self._screen is None or not is_next:
+        if not is_next:
+            self.interrupt()
+        if self._screen is None:
             self._screen = SampleScreen(chunk.sensor_count, chunk.time_step_s)
         self._screen.screened(chunk)
         lost = self._screen.lost_field
         for s, sensor in enumerate(self._sensors):
-            if not is_next:
-                sensor.tail, sensor.freeze_s = None, 0.0
             sensor.add_freezes(None if lost is None else lost[s], chunk.time_step_s)
             field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
             sensor.add(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, chunk.time_step_s)
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
+
+    def interrupt(self) -> None:
+        """Forget what only a stretch that follows at once goes on from, most of the memory: it does not come."""
+        self._screen = None
+        for sensor in self._sensors:
+            sensor.tail, sensor.freeze_s = None, 0.0
 
     def forget(self, name: str) -> None:
         """Begin anew with one sensor: another device may have come in its place."""

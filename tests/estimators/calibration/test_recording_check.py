@@ -1,5 +1,6 @@
 """Every fault in the list is named from the first seconds; sound recordings, simulated and real, name none."""
 
+import pickle
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -290,6 +291,20 @@ def test_forgetting_one_sensor_leaves_the_others_what_is_known_of_them(sound):
 
     assert found(None) == found(ARM[0]) == [(ARM[1], "magnetometer_frozen")]
     assert found(ARM[1]) == [(ARM[1], "magnetometer_dead")], "all that its successor ever gave"
+
+
+def test_an_interrupted_check_is_small_and_goes_on_like_one_that_was_not(sound):
+    first, second = sound.ticks(0, 500), sound.ticks(900, 1400)
+    whole, interrupted = RecordingCheck(ARM), RecordingCheck(ARM)
+    for check in (whole, interrupted):
+        check.add(first)
+    before = len(pickle.dumps(interrupted))
+    interrupted.interrupt()
+    # Of each sensor four seconds of three triads, until the movement has said enough.
+    assert len(pickle.dumps(interrupted)) < 0.5 * before
+    for check in (whole, interrupted):
+        check.add(second)
+    assert pickle.dumps(interrupted) == pickle.dumps(whole)
 
 
 def test_a_freeze_lasts_as_long_as_the_longest_not_as_all_of_them(sound):

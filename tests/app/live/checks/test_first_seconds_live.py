@@ -8,9 +8,10 @@ import pytest
 
 from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
+from app.live.checks.plausibility import check
 from app.sentences import say
 from estimators import signals
-from estimators.calibration import Finding, Hemisphere
+from estimators.calibration import Finding, Hemisphere, RecordingCheck
 from estimators.recording import Float, ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.said import codes
@@ -185,3 +186,27 @@ def test_checks_of_all_sessions_together_leave_time_for_frames(monkeypatch):
     assert not turns.begin(), "half a second of checking asks for four and a half without"
     now[0] += 0.2
     assert turns.begin()
+
+
+def test_who_waits_for_the_turn_longer_than_samples_are_held_holds_no_more_than_it_needs(
+    sound: ImuChunk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interrupted: list[int] = []
+    monkeypatch.setattr(RecordingCheck, "interrupt", lambda check: interrupted.append(1))
+
+    async def run() -> None:
+        turns = CheckTurns()
+        watch = FirstSeconds(ARM, sound.time_step_s, lambda *_: None, turns=turns, work=lambda *_: checked)
+        checked = check(RecordingCheck(ARM), sound.ticks(0, 400))
+        interrupted.clear()
+        watch.add(sound.ticks(0, 500))
+        assert watch._checking is not None
+        await watch._checking
+        # The next one is due after twelve seconds; another session has the turn.
+        monkeypatch.setattr(turns, "begin", lambda: False)
+        held = watch.recent.ticks
+        for tick in range(500, 500 + 4 * held, 50):
+            watch.add(replace(sound.ticks(0, 50), first_tick=tick))
+            assert len(interrupted) == (tick + 50 > 500 + held)
+
+    asyncio.run(run())
