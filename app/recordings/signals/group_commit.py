@@ -108,8 +108,7 @@ class GroupCommitWriter:
         self._lock = threading.Condition(self._mutex)
         self._thread: threading.Thread | None = None
         self._stopping = False
-        # Multiples of the golden ratio lie evenly, however many there are.
-        self._shares = (number * _GOLDEN % 1.0 for number in count())
+        self._opened = count()
         self.metrics = WriterMetrics()
 
     def start(self) -> None:
@@ -165,7 +164,8 @@ class GroupCommitWriter:
             on_durable=on_durable,
             on_failure=on_failure,
             next_chunk=standing.next_chunk,
-            head_start=next(self._shares),
+            # Multiples of the golden ratio lie evenly, however many there are.
+            head_start=next(self._opened) * _GOLDEN % 1.0,
             strides=standing.strides,
         )
         with self._lock:

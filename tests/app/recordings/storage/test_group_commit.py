@@ -1,11 +1,13 @@
 """The writer of signals: exactly once, durable before told, one failing session alone, bounded."""
 
 import random
+import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import wait
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -23,7 +25,7 @@ from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.signals.chunks import decode_packets, encode_packets, outermost_heads
 from app.recordings.signals.codecs import DamagedChunkError
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.store import read_packets, read_packets_in_order, stored_ranges
+from app.recordings.signals.store import Standing, read_packets, read_packets_in_order, stored_ranges
 from tests.patience import PATIENCE_S
 
 Make = Callable[..., RawPacket]
@@ -345,3 +347,22 @@ def test_an_impossible_packet_is_refused_before_it_can_harm(
     with pytest.raises(InvalidInput):
         writer.append_packet(session_id, replace(packet(0), **change))
     assert writer.append_packet(session_id, packet(0))
+
+
+def test_sessions_that_threads_open_together_share_the_disk_evenly(engine: Engine) -> None:
+    writer, standing = GroupCommitWriter(engine), Standing(SequenceRanges(), 0, {})
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(8) as threads:
+            opened = [
+                threads.submit(writer.open_session, f"{number:032x}", standing=standing)
+                for number in range(4000)
+            ]
+            assert all(not one.result(PATIENCE_S) for one in opened)
+    finally:
+        sys.setswitchinterval(usual_s)
+    shares = sorted(one.head_start for one in writer._sessions.values())
+    assert len(shares) == 4000
+    # They lie evenly: no two ask for the disk at the same moment.
+    assert max(np.diff(shares)) < 2.0 / 4000
