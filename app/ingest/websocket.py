@@ -34,6 +34,7 @@ from app.network.pace import Pace
 from app.network.packet import (
     HEADER_BYTES,
     MAX_PACKET_BYTES,
+    MAX_TICKS,
     OFFSETS,
     Packet,
     decode_packet,
@@ -51,9 +52,9 @@ WRONG_IN_A_ROW = 1000
 """A connection that sends so many wrong messages and no right one between is ended."""
 BEHIND_S = 0.1
 """Until a packet is given again that could not be taken yet."""
-PAUSE_S = 0.25
-"""Of a connection that is too fast, at least: what it may send in that time is taken together. Far shorter than the
-silence after which a link is reported as lost."""
+LEAST_PAUSE_S = 0.1
+"""Of a connection that is too fast: what it may send in that time is taken together. Shorter than any silence that is
+looked at."""
 _TICKS_AT = OFFSETS["tick_count"]
 TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
@@ -149,17 +150,19 @@ class IngestConnection:
             return
         ticks = 1
         if length > _TICKS_AT:
-            ticks = (buffer[start + _TICKS_AT] ^ (key >> 8)) & 0xFF
+            ticks = min((buffer[start + _TICKS_AT] ^ (key >> 8)) & 0xFF, MAX_TICKS)
         arrival_s = time.monotonic()
         intake.pooled.offer(self, memoryview(buffer)[start : start + length], key, arrival_s, time.time_ns())
         wait_s = self._pace.take(ticks * self._step_s, arrival_s)
         if wait_s > 0.0 and self._socket is not None:
-            self._socket.slow_down(max(wait_s, PAUSE_S))
+            self._socket.slow_down(max(wait_s, LEAST_PAUSE_S))
 
     def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int, size: int | None = None) -> None:
         """Take a packet of the short way by itself, behind those that wait; `size` stands for data that is too long."""
         if self._held:
             self._held.append((data, arrival_s, arrival_ns))
+            if self._socket is not None:
+                self._socket.slow_down(BEHIND_S)
             return
         intake = self._intake
         if intake is None or intake.ended.is_set():

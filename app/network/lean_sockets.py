@@ -78,6 +78,9 @@ class LeanSocket(WebSocketsSansIOProtocol):
         if not self.handshake_initiated:
             super().data_received(data)
             return
+        if self.close_sent:
+            # What still comes is for nobody: it must not gather here until the sender has read the end.
+            self._is_slowed = False
         if not self._held and not self._is_slowed:
             self._take(data)
             return
@@ -133,7 +136,9 @@ class LeanSocket(WebSocketsSansIOProtocol):
     def slow_down(self, seconds: float) -> None:
         """Take nothing for a while: the sender is too fast, or what it sends cannot be taken yet.
 
-        What was read already waits, too: given on at once, the next would only come when its time is over.
+        What was read already waits, too. Given on at once it would be seconds of signal, and then nothing would come
+        until their time is over, which looks like a lost link. If the connection ends meanwhile it is lost; no sender
+        was told that it arrived.
         """
         if self.transport.is_closing():
             return
@@ -152,7 +157,12 @@ class LeanSocket(WebSocketsSansIOProtocol):
             self._timer = self.loop.call_at(self._until_s, self._go_on)
             return
         self._is_slowed = False
-        self._take_held()
+        try:
+            self._take_held()
+        except BaseException:
+            # As uvloop does where a reading ends like this: reading would never go on.
+            self.transport.abort()
+            raise
         if not self._is_slowed and self.read_paused and self.queue.empty():
             self.read_paused = False
             self.transport.resume_reading()
@@ -160,10 +170,17 @@ class LeanSocket(WebSocketsSansIOProtocol):
     async def receive(self) -> Any:
         """Give the next event to the application; reading goes on when it is time."""
         message = await super().receive()
-        if self.loop.time() < self._until_s and not self.transport.is_closing():
+        if self._is_slowed and not self.transport.is_closing():
             self.read_paused = True
             self.transport.pause_reading()
         return message
+
+    def keepalive_timeout(self) -> None:
+        """End the connection; not while it is slowed, for the sender's pong stands behind what was not taken yet."""
+        if self._is_slowed and self.ping_timeout is not None:
+            self.pong_timer = self.loop.call_later(self.ping_timeout, self.keepalive_timeout)
+            return
+        super().keepalive_timeout()
 
     @property
     def is_open(self) -> bool:

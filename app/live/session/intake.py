@@ -84,7 +84,11 @@ class Intake:
         """Take one packet; see `LiveSession.receive`."""
         if self.ended.is_set():
             raise Conflict(self.end_error.message)
-        return self._session.receive(packet, arrival_s, arrival_ns)
+        try:
+            return self._session.receive(packet, arrival_s, arrival_ns)
+        except Unavailable:
+            self._session.wait_for_service()
+            raise
 
     def acknowledge(self) -> AcknowledgeMessage:
         """Return what the gateway may forget and what it should send again."""

@@ -289,6 +289,10 @@ class LiveSession(PooledSession):
         if self.machine.state in {"created", "link_lost"}:
             self._link_back()
 
+    def wait_for_service(self) -> None:
+        """Note that the gateway is not silent: store or estimation are behind and cannot take its packets yet."""
+        self._last_arrival_s = time.monotonic()
+
     def link_lost(self, reason: str) -> None:
         """Note that packets have stopped coming."""
         if self.machine.state in STREAMING:
