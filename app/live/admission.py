@@ -47,11 +47,19 @@ QUIET_S: Final = 60.0
 
 
 def crowd(sessions: Collection[LiveSession]) -> tuple[int, int]:
-    """Return how many of these stream, and how many more may at any moment: none that is being closed."""
+    """Return how many of these stream, and how many more may at any moment: none that is being closed.
+
+    One that has just been closed has streamed: its share of what was measured is its own.
+    """
     now_s = time.monotonic()
-    seen = [(now_s - one.opened_s, now_s - one.last_arrival_s) for one in sessions if one.state in OPEN]
-    streaming = sum(silent_s < WINDOW_S < known_s for known_s, silent_s in seen)
-    return streaming, sum(silent_s < QUIET_S for _, silent_s in seen) - streaming
+    streaming = quiet = 0
+    for one in sessions:
+        silent_s = now_s - one.last_arrival_s
+        if silent_s < WINDOW_S < now_s - one.opened_s:
+            streaming += 1
+        elif silent_s < QUIET_S and one.state in OPEN:
+            quiet += 1
+    return streaming, quiet
 
 
 class Admission:
