@@ -142,12 +142,15 @@ class FirstSeconds:
         end_s = (stop_tick - 1) * self._step_s
         if end_s < self._next_s:
             return
-        from_tick = max(self._from_tick, stop_tick - self.recent.ticks)
+        from_tick, is_late = self._from_tick, self._from_tick < stop_tick - self.recent.ticks
+        if is_late:
+            # Where the oldest were there may be samples behind these already.
+            from_tick = stop_tick - (self.recent.ticks - LATE_TICKS)
         if end_s - from_tick * self._step_s < FIRST_CHECK_S - 1.0:
             return
         if self._checking is not None and not self._checking.done():
             return
-        if from_tick > self._from_tick and not self._is_interrupted:
+        if is_late and not self._is_interrupted:
             # Others have had the turn for so long that samples between this check and the last are gone.
             self._state.interrupt()
             self._is_interrupted = True
@@ -162,7 +165,10 @@ class FirstSeconds:
 
             def ended(checking: "asyncio.Task[float | None]") -> None:
                 # Also when its session ends before it. One that failed costs what it took: it may fail again.
-                cost_s = None if checking.cancelled() else checking.result()
+                error = None if checking.cancelled() else checking.exception()
+                if error is not None:
+                    logger.error("what a check found could not be reported", exc_info=error)
+                cost_s = None if checking.cancelled() or error is not None else checking.result()
                 turns.end(time.monotonic() - began_s if cost_s is None else cost_s)
 
             self._checking.add_done_callback(ended)

@@ -65,10 +65,13 @@ class Readings:
                 self._watch(triad, values)
         self.rate_clips.add(rate, step_s)
         self.force_clips.add(force, step_s)
+        if sound.any() and self.evidence.windows[0 if field is None else 1] < _ENOUGH_WINDOWS:
+            self._gather(rate, force, field, step_s)
+        else:
+            # What comes next does not adjoin it.
+            self.tail = None
         if not sound.any():
             return
-        if (self.evidence.windows[0 if field is None else 1]) < _ENOUGH_WINDOWS:
-            self._gather(rate, force, field, step_s)
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
         calm = calm_size(force, step_s)

@@ -210,3 +210,21 @@ def test_who_waits_for_the_turn_longer_than_samples_are_held_holds_no_more_than_
             assert len(interrupted) == (tick + 50 > 500 + held)
 
     asyncio.run(run())
+
+
+def test_a_report_that_fails_does_not_end_the_checks_of_others(sound: ImuChunk) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError
+
+    async def run() -> None:
+        turns = CheckTurns(share=1.0)
+        watch = FirstSeconds(ARM, sound.time_step_s, fail, turns=turns)
+        # A unit that cannot be right is reported.
+        watch.add(replace(sound, accelerometer_mps2=sound.accelerometer_mps2 / 9.80665).ticks(0, 500))
+        assert watch._checking is not None
+        with pytest.raises(ValueError):
+            await watch._checking
+        await asyncio.sleep(0)
+        assert turns.begin()
+
+    asyncio.run(run())
