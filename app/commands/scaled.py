@@ -7,7 +7,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app import logs
 from app.commands.private_folder import make_private
-from app.commands.serve import imported_for_good, listen, run_application
+from app.commands.serve import imported_for_good, listen, run_application, share_arenas
 from app.database.writer_lock import shared_lock
 from app.settings import Settings
 
@@ -31,6 +31,7 @@ def edge(host: str, port: int) -> None:
     InvalidInput, Unavailable
         NATS or the database cannot be reached, or the database is not PostgreSQL.
     """
+    share_arenas()
     with imported_for_good():
         from app.parts import create_edge, named, process_name
 
@@ -44,6 +45,7 @@ def edge(host: str, port: int) -> None:
 
 def worker(host: str, port: int) -> None:
     """Hold partitions of live sessions until stopped; health and metrics are at the address. See `edge`."""
+    share_arenas()
     with imported_for_good():
         from app.parts import create_worker, named, process_name
 

@@ -32,7 +32,7 @@ _WAITING_CONNECTIONS: Final = 2048
 _ARENA_MAX: Final = -8
 """`M_ARENA_MAX` of glibc's `malloc.h`."""
 ARENAS: Final = 2
-"""Where memory is taken from: one for the event loop's thread, one for all others."""
+"""Of a process, unless whoever starts it says otherwise."""
 
 
 def serve(host: str, port: int) -> None:
@@ -103,6 +103,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
     SystemExit
         The service could not open.
     """
+    share_arenas()
     with imported_for_good():
         from app.main import create_app
 
@@ -114,9 +115,7 @@ def imported_for_good() -> Iterator[None]:
     """Import what lives as long as the process without looking for garbage in it, then or later.
 
     There is hardly any, and looking through the growing heap again and again is a good part of these imports' time.
-    Threads that begin here or later share where they take memory from.
     """
-    _share_arenas()
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -127,13 +126,14 @@ def imported_for_good() -> Iterator[None]:
             gc.enable()
 
 
-def _share_arenas() -> None:
-    """Let the C library's `malloc` have few arenas, where it is glibc's.
+def share_arenas() -> None:
+    """Let the C library's `malloc` have few arenas, where it is glibc's; before threads begin.
 
     Else most threads have one of their own, and what one of them has freed the others cannot use: a process that lives
     for months grows by the gaps in each.
     """
-    if platform.libc_ver()[0] == "glibc":
+    is_said = "MALLOC_ARENA_MAX" in os.environ or "arena_max" in os.environ.get("GLIBC_TUNABLES", "")
+    if platform.libc_ver()[0] == "glibc" and not is_said:
         ctypes.CDLL(None).mallopt(_ARENA_MAX, ARENAS)
 
 

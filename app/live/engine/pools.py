@@ -41,7 +41,6 @@ ITEMS: Final = 64
 """Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
 KINDS: Final[tuple[type[Pool], ...]] = (ArmPool, RelativePool, WalkPool, StepPool)
 """Of pools, those with a compiled step first; the last takes any pipeline."""
-_FILLED: Final = ("slot", "offset", "length")
 _STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
 _PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}
 STATUS, SEQUENCE, TIME_US, DURATION_US = (
@@ -106,7 +105,7 @@ class SessionPool:
         self.free = list(range(SESSIONS))[::-1]
         self._items = np.zeros(ITEMS, dtype=ITEM)
         self._stretches = np.zeros(ITEMS, dtype=STRETCH)
-        self._filled = tuple(self._items[name] for name in _FILLED)
+        self._filled = tuple(self._items[name] for name in ("slot", "offset", "length"))
         self._stepped = tuple((self._stretches[name], self._items[name]) for name in _STEP_FIELDS)
         self._placed = room_for(channels, sensors, most_ticks, carried)
         self._carried = _columns(carried)
@@ -115,6 +114,8 @@ class SessionPool:
         self._width = len(column_names(like.layout))
         self._numbers = np.empty(most_ticks * (self._width + HEAD_WORDS), dtype=np.float32)
         self._words = self._numbers.view(np.uint32)
+        none = np.empty((0, 3), dtype=np.int64), np.empty((0, HEAD_WORDS), dtype=np.uint32)
+        write_blocks(*none, self.kind.columns, self._words, self._numbers)
         self._write = unchecked(write_blocks)
         self._time_step_s = 1.0 / like.setup.rate_hz
         self._count = 0
@@ -136,6 +137,8 @@ class SessionPool:
             self._placed,
             *kind.arrays,
         )
+        # Asked for their types once, with nothing to take: a wrong one would be read as if it were right.
+        take_arms(asked(0, 0, FRAME_ROWS), np.empty(1, dtype=np.uint8), *arrays)
         take = unchecked(take_arms)
         return lambda request, byte: take(request, byte, *arrays)
 

@@ -25,15 +25,17 @@ from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
 
-LONGEST_WAIT_S: Final = 0.012
 SHORTEST_WAIT_S: Final = 0.004
+LONGEST_WAIT_S: Final = 0.012
+"""Behind the first packet that waits for a turn."""
 LATE_S: Final = 0.1
 """After a turn that lasted longer views go without: of the packets of a session in a turn only the newest is shown,
 until a turn lasts half as long. What is estimated and stored stays whole."""
 BEHIND_S: Final = 1.0
 """While a turn has lasted longer, and so long after it, packets that have arrived may be still to be taken."""
 WAIT_PER_WORK: Final = 3.0
-"""A turn waits so many times as long as the one before lasted: the more there is, the more is taken together."""
+"""Between these a turn waits so many times as long as the one before lasted: the more there is, the more is taken
+together."""
 PATIENCE_S: Final = 0.25
 """Who waits for the time between two turns waits no longer."""
 TRIES: Final = 3
