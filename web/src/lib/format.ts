@@ -107,9 +107,14 @@ export function bodyLength(metres: number | null | undefined): string {
  * where that is nothing too it is said to be below that digit. A spread of exactly 0 stays 0.
  */
 export function pair(value: number, uncertainty: number, digits: number): [string, string] {
+  return [number(value, digitsFor(uncertainty, digits)), spreadAlone(uncertainty, digits)];
+}
+
+/** An uncertainty that stands without its value, in the digits that it would have beside it. */
+export function spreadAlone(uncertainty: number, digits: number): string {
   const size = Math.abs(uncertainty);
   const shown = digitsFor(size, digits);
-  return [number(value, shown), isHidden(size, shown) ? `< ${number(10 ** -shown, shown)}` : number(size, shown)];
+  return isHidden(size, shown) ? `< ${number(10 ** -shown, shown)}` : number(size, shown);
 }
 
 /** The digits of a value with this uncertainty, and of what stands below it. */

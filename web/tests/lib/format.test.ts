@@ -11,6 +11,7 @@ import {
   quantity,
   span,
   pair,
+  spreadAlone,
   uncertain,
 } from '../../src/lib/format';
 
@@ -43,6 +44,9 @@ describe('numbers', () => {
     expect(uncertain(-0.99996, 0.00003, '1')).toBe('−1.000 ± < 0.001');
     expect(uncertain(9, 0.01, 'deg')).toBe('9.0° ± < 0.1');
     expect(pair(-12, -3, 0)).toEqual(['−12', '3']);
+    expect(spreadAlone(0.04, 1)).toBe('0.04');
+    expect(spreadAlone(0.004, 1)).toBe('< 0.01');
+    expect(spreadAlone(-4, 1)).toBe('4.0');
   });
   it('keeps a unit it does not know', () => {
     expect(quantity(3, 'N')).toBe('3.00 N');

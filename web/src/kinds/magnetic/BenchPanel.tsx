@@ -5,7 +5,7 @@ import { useCalibrateSource, useSourceStops } from '../../api/queries';
 import type { SourceStops } from '../../api/types';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { number } from '../../lib/format';
+import { number, spreadAlone } from '../../lib/format';
 import { placesOf, type Place } from './magneticSetup';
 
 const AXES = ['x', 'y', 'z'] as const;
@@ -93,7 +93,7 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
         <Notice>
           {t('sources.saved', {
             name: calibrate.data.name,
-            gain: number(100 * calibrate.data.gain_sigma, 2),
+            gain: spreadAlone(100 * calibrate.data.gain_sigma, 1),
             off: number(1000 * (calibrate.data.found.place_residual_m ?? 0), 1),
           })}
         </Notice>

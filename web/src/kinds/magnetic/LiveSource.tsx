@@ -4,7 +4,7 @@ import { useEffect, useState } from 'react';
 import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
-import { number, quantity } from '../../lib/format';
+import { number, quantity, uncertain } from '../../lib/format';
 import { SIGMAS, isStarting, milliampereHours, needsHand, pulsesIn, stateKeys, type Pulse } from './magnetic';
 import type { Player } from '../../player/types';
 import { PulseTimeline } from './PulseTimeline';
@@ -90,6 +90,7 @@ export function LiveSource({
         {reading.sensors.map((one) => {
           const isBad = needsHand(one.bits);
           const Icon = isBad ? IconAlertTriangle : IconCheck;
+          const [distance, spread] = uncertain(one.distanceM, SIGMAS * one.sigmaM, 'm').split(' ± ');
           return (
             <li key={one.name}>
               <span className="strong">
@@ -97,11 +98,11 @@ export function LiveSource({
               </span>
               <p className="distance-now">
                 <span className="number strong value" data-testid={`distance-${one.name}`}>
-                  {quantity(one.distanceM, 'm')}
+                  {distance}
                 </span>
-                <span className="number muted">
-                  {t('magnetic.spread', { value: quantity(SIGMAS * one.sigmaM, 'm') })}
-                </span>
+                {spread !== undefined && (
+                  <span className="number muted">{t('magnetic.spread', { value: `${spread} cm` })}</span>
+                )}
               </p>
               <span className={isBad ? 'alert-text small' : 'muted small'} style={{ display: 'block' }}>
                 <Icon size={16} aria-hidden />{' '}

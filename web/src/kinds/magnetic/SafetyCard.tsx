@@ -7,7 +7,7 @@ import type { MagneticSafety, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { dateTime, number } from '../../lib/format';
+import { dateTime, spreadAlone } from '../../lib/format';
 import { isSafe, UNASKED } from './magneticSetup';
 import { ImplantQuestions } from './ImplantQuestions';
 
@@ -26,7 +26,7 @@ function whyAgain(safety: MagneticSafety): string | null {
 
 function sourceText(safety: MagneticSafety): string {
   if (typeof safety.gain_sigma !== 'number') return '';
-  const gain = number(100 * safety.gain_sigma, 1);
+  const gain = spreadAlone(100 * safety.gain_sigma, 1);
   return safety.source_serial
     ? t('safety.source', { name: safety.source_name, serial: safety.source_serial, gain })
     : t('safety.sourceDescribed', { gain });

@@ -4,7 +4,7 @@ import type { MagneticSource, Placement, Side } from '../../api/types';
 import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
-import { day, number } from '../../lib/format';
+import { day, spreadAlone } from '../../lib/format';
 import { USES, wornFor, type Coils, type Use, type Worn } from './magneticSetup';
 
 const TRUNK: Placement[] = ['head', 'sternum', 'pelvis'];
@@ -127,7 +127,7 @@ export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSour
           data={[
             ...sources.map((one) => ({
               value: one.id,
-              label: `${one.name} – ${t('sources.line', { serial: one.serial, gain: number(100 * one.gain_sigma, 1), method: t(`sources.method.${one.method}`), day: day(one.calibrated_at) })}`,
+              label: `${one.name} – ${t('sources.line', { serial: one.serial, gain: spreadAlone(100 * one.gain_sigma, 1), method: t(`sources.method.${one.method}`), day: day(one.calibrated_at) })}`,
             })),
             { value: '', label: t('sources.described') },
           ]}

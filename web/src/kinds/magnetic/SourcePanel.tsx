@@ -7,13 +7,15 @@ import { Traces } from '../../charts/Traces';
 import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
-import { number, quantity } from '../../lib/format';
+import { number, quantity, spreadAlone } from '../../lib/format';
 import { spreadOf } from '../../lib/spread';
 import { SIGMAS, milliampereHours, type Pulse } from './magnetic';
 import { useClockText } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import { BenchPanel } from './BenchPanel';
 import { PulseTimeline } from './PulseTimeline';
+
+const spreadText = (sigmaM: number) => `${spreadAlone(100 * SIGMAS * sigmaM, 1)} cm`;
 
 /** Times count from the beginning of what is replayed. */
 function pulsesOf(use: SourceUse, zeroS: number): Pulse[] {
@@ -56,8 +58,8 @@ function Exactness({ use, zeroS }: { use: SourceUse; zeroS: number }) {
                   <dt>{t('magnetic.sigma', { place: placementLabel(name) })}</dt>
                   <dd className="number">
                     {t('magnetic.sigmaText', {
-                      median: quantity(SIGMAS * spread.median, 'm'),
-                      worst: quantity(SIGMAS * spread.worst, 'm'),
+                      median: spreadText(spread.median),
+                      worst: spreadText(spread.worst),
                     })}
                   </dd>
                 </>

@@ -7,7 +7,7 @@ import type { MagneticSource, MagneticSourceIn } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { day, number } from '../../lib/format';
+import { day, spreadAlone } from '../../lib/format';
 
 function Line({ source }: { source: MagneticSource }) {
   const retire = useRetireSource();
@@ -19,7 +19,7 @@ function Line({ source }: { source: MagneticSource }) {
           <div className="muted small">
             {t('sources.line', {
               serial: source.serial,
-              gain: number(100 * source.gain_sigma, 1),
+              gain: spreadAlone(100 * source.gain_sigma, 1),
               method: t(`sources.method.${source.method}`),
               day: day(source.calibrated_at),
             })}

@@ -6,7 +6,7 @@ import type { CalibrationMessage } from '../../api/types';
 import { FindingFigure } from '../../components/Figures';
 import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
-import { number } from '../../lib/format';
+import { number, spreadAlone } from '../../lib/format';
 import { scoreText } from '../session/live/Calibration';
 
 function axisName(name: string): string {
@@ -115,7 +115,7 @@ export function CalibrationResult({
                   <tr key={axis.name}>
                     <th scope="row">{axisName(axis.name)}</th>
                     <td className="number">{number(axis.range_deg)}°</td>
-                    <td className="number">± {number(axis.sigma_deg, 1)}°</td>
+                    <td className="number">± {spreadAlone(axis.sigma_deg, 1)}°</td>
                   </tr>
                 ))}
               </tbody>

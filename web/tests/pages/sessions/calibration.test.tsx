@@ -146,10 +146,12 @@ describe('guided calibration', () => {
         phase: 'done',
         score: 0.9,
         fields,
+        axes: [{ name: 'elbow_flexion_right', range_deg: 101, sigma_deg: 0.04 }],
         reasons: ['forearm right sensor: the field here is 91 microtesla.'],
       }),
     );
     expect(screen.getByText('48 µT, dip 66°')).toBeTruthy();
+    expect(screen.getByText('± 0.04°')).toBeTruthy();
     expect(screen.getByText(/last time 47 µT, dip 65°/)).toBeTruthy();
     expect(screen.getByText('91 µT').textContent).toContain('not plausible');
     expect(screen.getByText(/Expected: 25 to 65 µT/)).toBeTruthy();

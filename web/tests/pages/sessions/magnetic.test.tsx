@@ -2,7 +2,9 @@ import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { MagneticSafety, SessionDetail } from '../../../src/api/types';
+import type { Player } from '../../../src/player/types';
 import { BenchPanel } from '../../../src/kinds/magnetic/BenchPanel';
+import { LiveSource } from '../../../src/kinds/magnetic/LiveSource';
 import { PulseTimeline } from '../../../src/kinds/magnetic/PulseTimeline';
 import { SafetyCard } from '../../../src/kinds/magnetic/SafetyCard';
 import { renderPage } from '../render';
@@ -140,7 +142,7 @@ it('sends the places of a bench in metres and says what was found', async () => 
   const sent = asked.find((one) => one.method === 'POST')?.body;
   expect(sent).toMatchObject({ name: 'Belt', serial: 'S-1', place_sigma_m: 0.001 });
   expect((sent as { positions_m: number[][] }).positions_m[1]).toEqual([0.12, 0.12, 0.12]);
-  expect(await screen.findByText(/field uncertainty 0.43 %/)).toBeTruthy();
+  expect(await screen.findByText(/field uncertainty 0.4 %/)).toBeTruthy();
 });
 
 it('draws the pulses of the time shown, and says how many', () => {
@@ -151,4 +153,19 @@ it('draws the pulses of the time shown, and says how many', () => {
   ];
   renderPage(<PulseTimeline pulses={pulses} fromS={0} untilS={20} nowS={5} />, { answers: {} });
   expect(screen.getByRole('img', { name: /20 s: 2 pulses/ }).querySelectorAll('rect')).toHaveLength(2);
+});
+
+it('gives a distance the digits of its uncertainty', async () => {
+  const values: Record<string, number> = { sternum_distance_m: 0.3204, sternum_distance_sigma_m: 0.0002 };
+  const player = {
+    clock: () => ({ timeS: 10, startS: 0, endS: 10, isPlaying: true, speed: 1 }),
+    read: (_from: number, _until: number, names: readonly string[]) => ({
+      timeS: new Float64Array([10]),
+      values: names.map((name) => new Float32Array([values[name] ?? 0])),
+      isComplete: true,
+    }),
+  } as unknown as Player;
+  renderPage(<LiveSource player={player} sensors={['sternum']} source="pelvis" />, { answers: {} });
+  expect((await screen.findByTestId('distance-sternum')).textContent).toBe('32.04 cm');
+  expect(screen.getByText('± 0.04 cm')).toBeTruthy();
 });

@@ -17,13 +17,13 @@ const REPORT: MarkerReport = {
   offset_s: 0.0123,
   offset_sigma_s: 0.0001,
   drift_ppm: 80,
-  drift_sigma_ppm: 6,
+  drift_sigma_ppm: 0.4,
   correlation: 0.998,
   rival: 0.56,
   overlap_s: 58,
   aligned_by: 'acceleration',
   lever_arm_m: [0.04, -0.03, 0.05],
-  lever_arm_sigma_m: [0.001, 0.001, 0.001],
+  lever_arm_sigma_m: [0.001, 0.001, 0.00003],
   heading_sigma_rad: 0.01,
   residual_rms_m: [0.0003, 0.0003, 0.0004],
   sigma_scale: 1,
@@ -78,7 +78,8 @@ const show = (mayTreat: boolean, found: Markers[]) =>
 describe('markers of a session', () => {
   it('shows clocks, gaps, residuals and what a spline would have made, and tells what failed', async () => {
     const view = show(true, FOUND);
-    expect(await screen.findByText('12.3 ± 0.10 ms, drift 80 ± 6 ppm')).toBeTruthy();
+    expect(await screen.findByText('12.3 ± 0.1 ms, drift 80.0 ± 0.4 ppm')).toBeTruthy();
+    expect(screen.getByText('40.0 ± 1.0 / −30.0 ± 1.0 / 50.00 ± 0.03 mm')).toBeTruthy();
     expect(screen.getByText('1, the longest 3.50 s, uncertainty 6.1 mm')).toBeTruthy();
     expect(screen.getByText(/an uncertainty above 10 mm/)).toBeTruthy();
     expect(screen.getByRole('img', { name: /largest residual 0\.3 mm/ })).toBeTruthy();

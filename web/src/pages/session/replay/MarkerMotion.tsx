@@ -11,7 +11,7 @@ import { extent, steadyRange } from '../../../charts/scales';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
-import { number } from '../../../lib/format';
+import { number, spreadAlone } from '../../../lib/format';
 import { useClockText } from '../../../player/hooks';
 import type { Player } from '../../../player/types';
 
@@ -271,7 +271,7 @@ export function MarkerMotion({ fused, shown, onChoose, player, onSeek }: MarkerM
                 </th>
                 <td>{number(gap.length_s, 2)} s</td>
                 <td>
-                  {number(gap.sigma_m * 1000, 1)} mm{gap.withheld ? `, ${t('markers.gap.withheld')}` : ''}
+                  {spreadAlone(gap.sigma_m * 1000, 1)} mm{gap.withheld ? `, ${t('markers.gap.withheld')}` : ''}
                 </td>
               </tr>
             ))}

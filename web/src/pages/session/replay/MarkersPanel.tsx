@@ -11,12 +11,13 @@ import { LineChart } from '../../../charts/LineChart';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
-import { dateTime, number } from '../../../lib/format';
+import { dateTime, number, pair, spreadAlone } from '../../../lib/format';
 
 const UNITS = ['mm', 'cm', 'm', 'inch'] as const;
 const UPS = ['z', 'y', 'x', '-z', '-y', '-x'] as const;
 const mm = (metres: number | null | undefined, digits = 1) =>
   number(metres === null || metres === undefined ? null : metres * 1000, digits);
+const spreadMm = (metres: number) => spreadAlone(metres * 1000, 1);
 
 function Form({ session }: { session: SessionDetail }) {
   const client = useQueryClient();
@@ -111,6 +112,8 @@ function Form({ session }: { session: SessionDetail }) {
 
 function Report({ report }: { report: MarkerReport }) {
   const { curves } = report;
+  const [offset, offsetSpread] = pair(report.offset_s * 1000, report.offset_sigma_s * 1000, 1);
+  const [drift, driftSpread] = pair(report.drift_ppm, report.drift_sigma_ppm, 0);
   const longest = report.gaps.reduce(
     (most, gap) => (gap.length_s > most.length_s ? gap : most),
     report.gaps[0] ?? { length_s: 0, sigma_m: 0, start_s: 0, withheld: false },
@@ -122,14 +125,7 @@ function Report({ report }: { report: MarkerReport }) {
     <>
       <dl className="facts">
         <dt>{t('markers.offset')}</dt>
-        <dd>
-          {t('markers.offsetText', {
-            offset: mm(report.offset_s),
-            sigma: mm(report.offset_sigma_s, 2),
-            drift: number(report.drift_ppm),
-            driftSigma: number(report.drift_sigma_ppm),
-          })}
-        </dd>
+        <dd>{t('markers.offsetText', { offset, sigma: offsetSpread, drift, driftSigma: driftSpread })}</dd>
         <dt>{t('markers.correlation')}</dt>
         <dd>
           {t('markers.correlationText', {
@@ -139,9 +135,14 @@ function Report({ report }: { report: MarkerReport }) {
           })}
         </dd>
         <dt>{t('markers.lever')}</dt>
-        <dd>{report.lever_arm_m.map((one) => mm(one)).join(', ')} mm</dd>
+        <dd>
+          {report.lever_arm_m
+            .map((one, axis) => pair(one * 1000, (report.lever_arm_sigma_m[axis] ?? NaN) * 1000, 1).join(' ± '))
+            .join(' / ')}{' '}
+          mm
+        </dd>
         <dt>{t('markers.residual')}</dt>
-        <dd>{report.residual_rms_m.map((one) => mm(one, 2)).join(', ')} mm</dd>
+        <dd>{report.residual_rms_m.map((one) => mm(one, 2)).join(' / ')} mm</dd>
         <dt>{t('markers.frames')}</dt>
         <dd>
           {t('markers.framesText', {
@@ -157,7 +158,7 @@ function Report({ report }: { report: MarkerReport }) {
             : t('markers.gapsText', {
                 count: number(report.gap_count),
                 length: number(longest.length_s, 2),
-                sigma: mm(longest.sigma_m),
+                sigma: spreadMm(longest.sigma_m),
               })}
         </dd>
       </dl>

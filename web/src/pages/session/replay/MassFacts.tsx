@@ -5,7 +5,7 @@ import type { Series } from '../../../api/types';
 import { Answer } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { channelLabel, placementList } from '../../../lib/channels';
-import { quantity } from '../../../lib/format';
+import { quantity, spreadAlone } from '../../../lib/format';
 import { spreadOf } from '../../../lib/spread';
 
 function Found({ found }: { found: Series }) {
@@ -23,7 +23,7 @@ function Found({ found }: { found: Series }) {
                   : t('mass.range', {
                       low: quantity(curve.least, 'm'),
                       high: quantity(curve.most, 'm'),
-                      sigma: spread ? quantity(spread.median, 'm') : t('mass.unknown'),
+                      sigma: spread ? `${spreadAlone(100 * spread.median, 1)} cm` : t('mass.unknown'),
                     })}
               </dd>
             </Fragment>
