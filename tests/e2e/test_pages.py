@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 from app.demo.people import ADMINISTRATOR, PATIENTS, THERAPIST
 from tests.e2e.conftest import ROOT, House, Visitor
@@ -93,6 +93,32 @@ def test_sign_in_page(visitor: Visitor, house: House) -> None:
     settle(visitor)
     visitor.picture("sign-in-390")
     assert serious(visitor) == []
+
+
+def test_what_turns_the_3d_view_is_as_large_as_a_thumb(
+    chromium: Browser, house: House, signed_in: dict[str, Any]
+) -> None:
+    context = chromium.new_context(
+        viewport={"width": 390, "height": 844},
+        has_touch=True,
+        is_mobile=True,
+        reduced_motion="reduce",
+        storage_state=signed_in[THERAPIST],
+    )
+    visitor = Visitor(context.new_page(), house.address)
+    visitor.page.goto(f"{house.address}/sessions/{house.session_id}")
+    visitor.page.locator(".camera-bar button").first.wait_for()
+    settle(visitor)
+    visitor.picture("session-touch-390")
+    small = visitor.page.evaluate(
+        """() => [...document.querySelectorAll('.camera-bar :is(button, label), .repetition-row button')]
+            .map((e) => [e.getAttribute('aria-label') ?? e.textContent, e.getBoundingClientRect()])
+            .filter(([, box]) => box.height < 44 || box.width < 44)
+            .map(([name, box]) => [name, box.width, box.height])"""
+    )
+    assert small == []
+    assert overflow(visitor) <= 0
+    context.close()
 
 
 MOST_TABS, TABS_AT_ONCE = 220, 20
