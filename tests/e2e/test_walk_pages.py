@@ -15,6 +15,10 @@ from tests.e2e.test_pages import serious, settle
 
 FEET = Path(__file__).parents[1] / "data" / "feet"
 SECONDS, RATE_HZ = 20.0, 204.8
+SCROLLED_SIDEWAYS = """() => [...document.querySelectorAll('.table-scroll, .map-scroll')]
+  .filter((e) => innerWidth < 500 || e.matches('.table-scroll'))
+  .filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => `${e.textContent.slice(0, 30)}: ${e.scrollWidth}`)"""
+"""Tables, and on a telephone the map, that are wider than their place."""
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +69,10 @@ def test_a_walk_is_read_by_keyboard_and_laid_beside_another(
     assert serious(visitor) == []
     overflow = page.evaluate("() => document.documentElement.scrollWidth - window.innerWidth")
     assert overflow <= 0, "the page scrolls sideways"
+    for narrower in {1440: (1440, 1024, 800), 390: (390,)}[width]:
+        page.set_viewport_size({"width": narrower, "height": 900})
+        page.wait_for_timeout(300)
+        assert page.evaluate(SCROLLED_SIDEWAYS) == [], narrower
     visitor.picture(f"gait-{width}")
     page.goto(f"{house.address}/patients/{house.patient_id}/walks")
     settle(visitor)

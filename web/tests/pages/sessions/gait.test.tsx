@@ -158,6 +158,10 @@ describe('the page of a walk', () => {
         .map((cell) => cell.textContent),
     ).toEqual(['102.0 cm ± 1.0', '110.0 cm ± 1.0', '−8 % ± 1', '5 + 5']);
     expect(await screen.findByRole('columnheader', { name: 'Left (affected side)' })).toBeTruthy();
+    // Below each other on a telephone, every number still has its name.
+    const cells = [...view.container.querySelectorAll('.stacked-table td')];
+    expect(cells.length).toBeGreaterThan(40);
+    expect(cells.filter((cell) => !cell.getAttribute('data-label'))).toEqual([]);
     await user.click(screen.getByRole('button', { name: 'Right foot, stride 2: show in the map' }));
     expect(view.container.querySelectorAll('.print[data-selected]')).toHaveLength(2);
     const found = await axe.run(view.container, {

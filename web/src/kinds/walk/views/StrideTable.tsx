@@ -2,6 +2,7 @@
 import { Button } from '@mantine/core';
 import { useMemo } from 'react';
 import type { Gait, Stride } from '../../../api/types';
+import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
 import { measureText } from '../gait';
 
@@ -11,6 +12,17 @@ export interface ChosenStride {
 }
 
 const TURNING_RAD = 0.35;
+
+const COLUMNS = [
+  { name: 'strides.length', text: (one: Stride) => measureText(one.length_m, 'm', one.length_sigma_m) },
+  { name: 'strides.time', text: (one: Stride) => measureText(one.duration_s, 's') },
+  { name: 'strides.stance', text: (one: Stride) => measureText(one.stance_s, 's') },
+  { name: 'strides.swing', text: (one: Stride) => measureText(one.swing_s, 's') },
+  { name: 'strides.clearance', text: (one: Stride) => measureText(one.clearance_m, 'm') },
+  { name: 'strides.contact', text: (one: Stride) => measureText(one.contact_pitch_rad, 'rad') },
+  { name: 'strides.toeOut', text: (one: Stride) => measureText(one.toe_out_rad, 'rad') },
+  { name: 'strides.turn', text: (one: Stride) => measureText(one.turn_rad, 'rad') },
+] as const;
 
 function counts(stride: Stride): string {
   if (stride.is_counted) return t('strides.yes');
@@ -42,19 +54,16 @@ export function StrideTable({
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll stride-scroll" role="group" aria-labelledby="strides" tabIndex={0}>
-        <table className="plain-table wide-table">
+        <table className="plain-table stacked-table stride-table">
           <thead>
             <tr>
-              <th scope="col">{t('strides.foot')}</th>
               <th scope="col">{t('strides.number')}</th>
-              <th scope="col">{t('strides.length')}</th>
-              <th scope="col">{t('strides.time')}</th>
-              <th scope="col">{t('strides.stance')}</th>
-              <th scope="col">{t('strides.swing')}</th>
-              <th scope="col">{t('strides.clearance')}</th>
-              <th scope="col">{t('strides.contact')}</th>
-              <th scope="col">{t('strides.toeOut')}</th>
-              <th scope="col">{t('strides.turn')}</th>
+              <th scope="col">{t('strides.foot')}</th>
+              {COLUMNS.map(({ name }) => (
+                <th scope="col" key={name}>
+                  {t(name)}
+                </th>
+              ))}
               <th scope="col">{t('strides.counts')}</th>
             </tr>
           </thead>
@@ -66,7 +75,6 @@ export function StrideTable({
                   key={`${side}${stride.number}`}
                   className={isSelected ? 'row-selected' : stride.is_counted ? '' : 'row-left-out'}
                 >
-                  <td>{t(`numbers.${side}`)}</td>
                   <th scope="row">
                     <Button
                       size="compact-md"
@@ -78,15 +86,13 @@ export function StrideTable({
                       {stride.number}
                     </Button>
                   </th>
-                  <td className="number">{measureText(stride.length_m, 'm', stride.length_sigma_m)}</td>
-                  <td className="number">{measureText(stride.duration_s, 's')}</td>
-                  <td className="number">{measureText(stride.stance_s, 's')}</td>
-                  <td className="number">{measureText(stride.swing_s, 's')}</td>
-                  <td className="number">{measureText(stride.clearance_m, 'm')}</td>
-                  <td className="number">{measureText(stride.contact_pitch_rad, 'rad')}</td>
-                  <td className="number">{measureText(stride.toe_out_rad, 'rad')}</td>
-                  <td className="number">{measureText(stride.turn_rad, 'rad')}</td>
-                  <td>{counts(stride)}</td>
+                  <td data-label={t('strides.foot')}>{t(`numbers.${side}`)}</td>
+                  {COLUMNS.map(({ name, text }) => (
+                    <td key={name} data-label={t(name)}>
+                      <Measured text={text(stride)} />
+                    </td>
+                  ))}
+                  <td data-label={t('strides.counts')}>{counts(stride)}</td>
                 </tr>
               );
             })}

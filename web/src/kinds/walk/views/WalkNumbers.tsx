@@ -2,12 +2,15 @@
 import { Button } from '@mantine/core';
 import { useState } from 'react';
 import type { Gait, WalkMeasure } from '../../../api/types';
+import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
 
 const SIDES = ['left', 'right'] as const;
 
-const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, one.unit, one.sigma) : '–');
+function Shown({ of }: { of: WalkMeasure | undefined }) {
+  return <Measured text={of ? measureText(of.value, of.unit, of.sigma) : '–'} />;
+}
 
 export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Gait | null; affected: string | null }) {
   const [all, setAll] = useState(false);
@@ -29,7 +32,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll" role="group" aria-labelledby="numbers" tabIndex={0}>
-        <table className="plain-table">
+        <table className="plain-table stacked-table">
           <thead>
             <tr>
               <th scope="col">{t('numbers.measure')}</th>
@@ -53,16 +56,22 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                 <th scope="row">{measureLabel(name)}</th>
                 {SIDES.map((side) => [
                   before && (
-                    <td className="number muted" key={`${side}before`}>
-                      {shown(findMeasure(footOf(before, side)?.measures, name))}
+                    <td
+                      className="muted"
+                      key={`${side}before`}
+                      data-label={t('numbers.before', { side: t(`numbers.${side}`) })}
+                    >
+                      <Shown of={findMeasure(footOf(before, side)?.measures, name)} />
                     </td>
                   ),
-                  <td className="number strong" key={side}>
-                    {shown(findMeasure(footOf(gait, side)?.measures, name))}
+                  <td className="strong" key={side} data-label={sideName(side)}>
+                    <Shown of={findMeasure(footOf(gait, side)?.measures, name)} />
                   </td>,
                 ])}
-                <td className="number">{shown(findMeasure(gait.asymmetry, name))}</td>
-                <td className="number muted">
+                <td data-label={t('numbers.difference')}>
+                  <Shown of={findMeasure(gait.asymmetry, name)} />
+                </td>
+                <td className="number muted" data-label={t('numbers.counted')}>
                   {SIDES.map((side) => findMeasure(footOf(gait, side)?.measures, name)?.count ?? 0).join(' + ')}
                 </td>
               </tr>
@@ -70,7 +79,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
           </tbody>
         </table>
         {turning.length > 0 && (
-          <table className="plain-table">
+          <table className="plain-table stacked-table">
             <caption>{t('numbers.turning')}</caption>
             <thead>
               <tr>
@@ -88,11 +97,11 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                 <tr key={name}>
                   <th scope="row">{measureLabel(name)}</th>
                   {SIDES.map((side) => (
-                    <td className="number strong" key={side}>
-                      {shown(findMeasure(footOf(gait, side)?.turning, name))}
+                    <td className="strong" key={side} data-label={sideName(side)}>
+                      <Shown of={findMeasure(footOf(gait, side)?.turning, name)} />
                     </td>
                   ))}
-                  <td className="number muted">
+                  <td className="number muted" data-label={t('numbers.counted')}>
                     {SIDES.map((side) => findMeasure(footOf(gait, side)?.turning, name)?.count ?? 0).join(' + ')}
                   </td>
                 </tr>
@@ -101,7 +110,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
           </table>
         )}
         {both.length > 0 && (
-          <table className="plain-table">
+          <table className="plain-table stacked-table">
             <thead>
               <tr>
                 <th scope="col">{t('numbers.measure')}</th>
@@ -115,12 +124,16 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                 <tr key={one.measure}>
                   <th scope="row">{measureLabel(one.measure)}</th>
                   {before && (
-                    <td className="number muted">
-                      {shown(findMeasure([...before.both, ...(before.balance?.measures ?? [])], one.measure))}
+                    <td className="muted" data-label={t('numbers.before', { side: t('numbers.both') })}>
+                      <Shown of={findMeasure([...before.both, ...(before.balance?.measures ?? [])], one.measure)} />
                     </td>
                   )}
-                  <td className="number strong">{shown(one)}</td>
-                  <td className="number muted">{one.count}</td>
+                  <td className="strong" data-label={t('numbers.both')}>
+                    <Shown of={one} />
+                  </td>
+                  <td className="number muted" data-label={t('numbers.counted')}>
+                    {one.count}
+                  </td>
                 </tr>
               ))}
             </tbody>

@@ -2,6 +2,7 @@ import { Button, SegmentedControl } from '@mantine/core';
 import { Fragment, useState } from 'react';
 import measures from '../../../api/measures.json';
 import type { ComparisonDetail, MeasureValue } from '../../../api/types';
+import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
 import { isOfStrides, primaryChannel } from '../../../lib/assessment/comparison';
 import { quantity, uncertain } from '../../../lib/format';
@@ -28,20 +29,8 @@ type Part = 'main' | 'movement';
 const partOf = (column: MeasureValue): Part =>
   ['smoothness', 'coordination', 'path'].includes(column.group) ? 'movement' : 'main';
 
-/** A value with its spread, which may go on below where the column is narrow. */
 function Value({ of }: { of: MeasureValue | undefined }) {
-  const [value, spread] = of ? uncertain(of.value ?? null, of.uncertainty ?? null, of.unit).split(' ± ') : ['–'];
-  return (
-    <span>
-      <span className="number">{value}</span>
-      {spread !== undefined && (
-        <>
-          {' '}
-          <span className="number">± {spread}</span>
-        </>
-      )}
-    </span>
-  );
+  return <Measured text={of ? uncertain(of.value ?? null, of.uncertainty ?? null, of.unit) : '–'} />;
 }
 
 /** One line a repetition: each number with its unit and uncertainty, and last the summary with its count. */
