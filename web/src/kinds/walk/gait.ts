@@ -71,9 +71,15 @@ export interface MapFrame {
   maxY: number;
   /** Pixels for a metre. */
   scale: number;
+  /** Whether the walk goes up instead of to the right, as on a telephone. */
+  isUpright: boolean;
 }
 
 const AROUND_M = 0.3;
+/** Narrower than this the walk is drawn upward. */
+const UPRIGHT_BELOW = 560;
+/** So high at most, as long as the feet stay feet. */
+const UPRIGHT_HEIGHT = 900;
 
 /** The part of the floor that the map shows: all footprints and paths, at a scale that fits a page. */
 export function mapFrame(gait: Gait, width: number): MapFrame {
@@ -89,11 +95,17 @@ export function mapFrame(gait: Gait, width: number): MapFrame {
     xs.push(x ?? 0);
     ys.push(y ?? 0);
   }
-  if (xs.length === 0) return { minX: -AROUND_M, maxX: AROUND_M, minY: -AROUND_M, maxY: AROUND_M, scale: 100 };
+  const isUpright = width < UPRIGHT_BELOW;
+  if (xs.length === 0)
+    return { minX: -AROUND_M, maxX: AROUND_M, minY: -AROUND_M, maxY: AROUND_M, scale: 100, isUpright };
   const minX = Math.min(...xs) - AROUND_M;
   const maxX = Math.max(...xs) + AROUND_M;
-  const scale = Math.min(240, Math.max(110, width / (maxX - minX)));
-  return { minX, maxX, minY: Math.min(...ys) - AROUND_M, maxY: Math.max(...ys) + AROUND_M, scale };
+  const minY = Math.min(...ys) - AROUND_M;
+  const maxY = Math.max(...ys) + AROUND_M;
+  const scale = isUpright
+    ? Math.max(60, Math.min(150, UPRIGHT_HEIGHT / (maxX - minX), width / (maxY - minY)))
+    : Math.min(240, Math.max(110, width / (maxX - minX)));
+  return { minX, maxX, minY, maxY, scale, isUpright };
 }
 
 /** A path on the floor for SVG. */

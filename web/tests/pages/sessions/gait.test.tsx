@@ -317,6 +317,9 @@ describe('numbers of a walk', () => {
         frame,
       ),
     ).toBe('M0.0 0.0L240.0 120.0');
+    // On a telephone the walk goes up, as wide as the feet went to the sides.
+    expect(mapFrame(WALK, 320)).toMatchObject({ isUpright: true, scale: 150 });
+    expect(mapFrame({ ...WALK, feet: [foot('left', 0), foot('right', 9)] }, 320).scale).toBeLessThan(90);
     expect(leaning([measure('centre_to_left', 0.004)], 'centre_to_left')?.side).toBe('middle');
     expect(leaning([], 'centre_to_left')).toBeNull();
   });

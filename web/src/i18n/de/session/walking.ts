@@ -41,6 +41,8 @@ export const walking: Translated<typeof english> = {
   'map.title': 'Fußabdrücke',
   'map.summary':
     'Fußabdrücke von oben: {left} vom linken Fuß, {right} vom rechten, über {length} m. Gegangen wird nach rechts.',
+  'map.summaryUp':
+    'Fußabdrücke von oben: {left} vom linken Fuß, {right} vom rechten, über {length} m. Gegangen wird nach oben.',
   'map.mass': 'Körperschwerpunkt',
   'map.pressure': 'Druckmittelpunkt',
   'map.support': 'Unterstützungsfläche',

@@ -38,6 +38,8 @@ export const walking = {
   'map.title': 'Footprints',
   'map.summary':
     'Footprints seen from above: {left} of the left foot, {right} of the right, over {length} m. The walk goes to the right.',
+  'map.summaryUp':
+    'Footprints seen from above: {left} of the left foot, {right} of the right, over {length} m. The walk goes up.',
   'map.mass': 'Centre of mass',
   'map.pressure': 'Centre of pressure',
   'map.support': 'Base of support',
