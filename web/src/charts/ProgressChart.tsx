@@ -116,6 +116,12 @@ export function symmetryText(ratio: number, sigma: number, angle: number | null)
   return t(ratio < 0 ? 'progress.lessThanOther' : 'progress.moreThanOther', words);
 }
 
+/** What made a point, in words: the service has name and version in one. */
+export function madeBy(point: { orientation: string }, estimators: readonly Estimator[]): string {
+  const [orientation = '', version = ''] = point.orientation.split(' ');
+  return t('progress.madeBy', { title: estimatorTitle({ orientation }, estimators), version });
+}
+
 /** Room of a date under the axis. */
 /** Before the first drawing only the whole is as wide as it will be. */
 const AXIS_PX = 84;
@@ -234,7 +240,7 @@ export function ProgressChart({
       )}
       <details className="as-table">
         <summary>{t('chart.asTable')}</summary>
-        <table className="plain-table">
+        <table className="plain-table stacked-table">
           <thead>
             <tr>
               <th scope="col">{t('progress.session')}</th>
@@ -247,13 +253,19 @@ export function ProgressChart({
           <tbody>
             {points.map((point) => (
               <tr key={point.session_id}>
-                <th scope="row">{dateTime(point.at)}</th>
-                <td className="number">{quantity(point.value, measure.unit)}</td>
-                <td className="number">
+                <th scope="row" className="number">
+                  {dateTime(point.at)}
+                </th>
+                <td className="number" data-label={measure.label}>
+                  {quantity(point.value, measure.unit)}
+                </td>
+                <td className="number" data-label={t('progress.between')}>
                   {quantity(point.low, measure.unit)} – {quantity(point.high, measure.unit)}
                 </td>
-                <td className="number">{point.count}</td>
-                <td>{estimatorTitle(point, estimators)}</td>
+                <td className="number" data-label={t('progress.count')}>
+                  {point.count}
+                </td>
+                <td data-label={t('progress.estimator')}>{madeBy(point, estimators)}</td>
               </tr>
             ))}
           </tbody>

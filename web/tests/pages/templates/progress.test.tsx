@@ -2,8 +2,8 @@
 import { render, screen } from '@testing-library/react';
 import axe from 'axe-core';
 import { describe, expect, it } from 'vitest';
-import type { ProgressMeasure } from '../../../src/api/types';
-import { BandLegend, symmetryText, verdictOf } from '../../../src/charts/ProgressChart';
+import type { Estimator, ProgressMeasure } from '../../../src/api/types';
+import { BandLegend, madeBy, symmetryText, verdictOf } from '../../../src/charts/ProgressChart';
 
 const measure = (change: Partial<ProgressMeasure>): ProgressMeasure => ({
   measure: 'range:a',
@@ -44,6 +44,12 @@ describe('the verdict on a change', () => {
     );
     expect(judged(false)).toContain('not more than the minimal detectable change of 10°');
   });
+});
+
+it('names what made a point in words, not as the service stores it', () => {
+  const estimators = [{ name: 'telemotion', title: 'Telemotion, live' }] as unknown as Estimator[];
+  expect(madeBy({ orientation: 'telemotion 9' }, estimators)).toBe('Telemotion, live (version 9)');
+  expect(madeBy({ orientation: 'foot 1' }, estimators)).toBe('Foot tracking (version 1)');
 });
 
 describe('the other side', () => {

@@ -259,6 +259,7 @@ export const patient: Translated<typeof english> = {
   'progress.between': 'Streuung',
   'progress.count': 'Wiederholungen',
   'progress.estimator': 'Schätzverfahren',
+  'progress.madeBy': '{title} (Version {version})',
 
   'exercise.one': 'Übung',
   'exercise.lead': 'Bewegungen, die Ihre Praxis verordnet, jede mit den Vorlagen, mit denen verglichen wird.',

@@ -241,6 +241,7 @@ export const patient = {
   'progress.between': 'Spread',
   'progress.count': 'Repetitions',
   'progress.estimator': 'Estimator',
+  'progress.madeBy': '{title} (version {version})',
 
   'exercise.one': 'Exercise',
   'exercise.lead': 'Movements your clinic prescribes, each with the templates that patients are compared with.',
