@@ -98,6 +98,7 @@ function Sending({
           label={t('sensors.unsentDelete')}
           title={t('sensors.unsentDeleteTitle')}
           text={t('sensors.unsentDeleteText')}
+          isGrave
           confirm={t('sensors.unsentDelete')}
           onConfirm={() => void forget(network.sessionId).then(onLook)}
         />

@@ -3,13 +3,14 @@ import { lazy, Suspense, useState } from 'react';
 
 const ConfirmDialog = lazy(() => import('./ConfirmDialog'));
 
-/** A small button whose deed cannot be undone: it asks first and says what will happen. */
+/** A small button whose deed is more than a click: it asks first and says what will happen. */
 export function Confirm({
   label,
   accessibleLabel,
   title,
   text,
   confirm,
+  isGrave = false,
   onConfirm,
 }: {
   label: string;
@@ -17,6 +18,8 @@ export function Confirm({
   title: string;
   text: string;
   confirm: string;
+  /** Whether it cannot be taken back, or is a danger. */
+  isGrave?: boolean;
   onConfirm: () => void;
 }) {
   const [isOpen, setOpen] = useState<boolean | null>(null);
@@ -38,6 +41,7 @@ export function Confirm({
             title={title}
             text={text}
             confirm={confirm}
+            isGrave={isGrave}
             onConfirm={onConfirm}
             onClose={() => setOpen(false)}
           />

@@ -7,11 +7,21 @@ export interface ConfirmDialogProps {
   title: string;
   text: string;
   confirm: string;
+  /** What is gone for good, or dangerous, is red; what can be taken back is not. */
+  isGrave: boolean;
   onConfirm: () => void;
   onClose: () => void;
 }
 
-export default function ConfirmDialog({ isOpen, title, text, confirm, onConfirm, onClose }: ConfirmDialogProps) {
+export default function ConfirmDialog({
+  isOpen,
+  title,
+  text,
+  confirm,
+  isGrave,
+  onConfirm,
+  onClose,
+}: ConfirmDialogProps) {
   return (
     <Modal opened={isOpen} onClose={onClose} title={title} closeButtonProps={{ 'aria-label': t('action.close') }}>
       <p>{text}</p>
@@ -20,7 +30,7 @@ export default function ConfirmDialog({ isOpen, title, text, confirm, onConfirm,
           {t('action.cancel')}
         </Button>
         <Button
-          color="red.8"
+          color={isGrave ? 'red.8' : undefined}
           onClick={() => {
             onClose();
             onConfirm();

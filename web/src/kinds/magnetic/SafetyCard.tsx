@@ -51,6 +51,7 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
                 label={t('safety.withdraw')}
                 title={t('safety.withdrawTitle')}
                 text={t('safety.withdrawText')}
+                isGrave
                 confirm={t('safety.withdrawDo')}
                 onConfirm={() => {
                   setSaid(UNASKED);

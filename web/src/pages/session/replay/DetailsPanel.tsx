@@ -93,6 +93,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
             label={t('details.delete')}
             title={t('details.deleteTitle')}
             text={t('details.deleteText')}
+            isGrave
             confirm={t('details.delete')}
             onConfirm={() =>
               remove.mutate(session, { onSuccess: () => void navigate(`/patients/${session.patient_id}`) })
