@@ -233,7 +233,7 @@ export const walking: Translated<typeof english> = {
   'walkReport.estimator': '{kind} mit {title} (Version {version}), Gangauswertung Version {pipeline}',
   'estimator.foot': 'Verfolgung der Fußbewegung',
   'walkReport.help':
-    'Gleichmäßige Doppelschritte: gerade und ebenmäßig, ohne Anfänge, Halte und Wendungen; der ganze Gang enthält sie alle. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Gängen.',
+    'Gleichmäßige Doppelschritte: gerade und ebenmäßig, ohne Anfänge, Halte und Wendungen; der ganze Gang enthält sie alle. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95\u00a0%) aus der Streuung zwischen den ersten drei Gängen.',
   'walkReport.doubts': 'Grenzen dieser Messung',
   'walkReport.sensors': 'Sensoren',
   'walkReport.apart': 'Füße am Anfang',

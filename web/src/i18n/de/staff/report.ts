@@ -43,7 +43,7 @@ export const report: Translated<typeof english> = {
   'course.beside': 'Daneben',
   'course.meanwhile': 'Inzwischen',
   'course.tableHelp':
-    'n: Wiederholungen oder Doppelschritte hinter dem Wert. Eine Veränderung ist echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %), bestimmt durch Test und Wiederholung zwischen den ersten drei Sitzungen dieser Person.',
+    'n: Wiederholungen oder Doppelschritte hinter dem Wert. Eine Veränderung ist echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95\u00a0%), bestimmt durch Test und Wiederholung zwischen den ersten drei Sitzungen dieser Person.',
   'course.legendRepetitions': 'Patient/in, jede gewertete Wiederholung',
   'course.legendStrides': 'Patient/in, jeder gewertete Doppelschritt',
   'course.noExercise': 'Wählen Sie auf der Seite der Person eine Übung.',
@@ -67,7 +67,7 @@ export const report: Translated<typeof english> = {
   'report.chance': '{change}, im Zufallsbereich',
   'report.unjudged': 'zu wenige Sitzungen',
   'report.tableHelp':
-    'Nach ±: eine Standardabweichung innerhalb der Sitzung. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95 %) aus der Streuung zwischen den ersten drei Sitzungen.',
+    'Nach ±: eine Standardabweichung innerhalb der Sitzung. Eine Veränderung heißt echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95\u00a0%) aus der Streuung zwischen den ersten drei Sitzungen.',
   'report.isFirst': 'eine der ersten drei',
   'report.isFirstText': 'Eine der ersten drei Sitzungen: Mit diesen werden die späteren verglichen.',
   'report.legendRepetitions': { one: 'Patient/in, {count} Wiederholung', other: 'Patient/in, {count} Wiederholungen' },
@@ -98,7 +98,7 @@ export const report: Translated<typeof english> = {
   'report.word.spread.text': 'Eine Standardabweichung zwischen den Wiederholungen der Sitzung.',
   'report.word.change': 'Echte Veränderung',
   'report.word.change.text':
-    'Ein Unterschied zum Mittel der ersten drei Sitzungen, der größer ist als die kleinste nachweisbare Veränderung (95 %); diese ergibt sich aus der Streuung zwischen den dreien.',
+    'Ein Unterschied zum Mittel der ersten drei Sitzungen, der größer ist als die kleinste nachweisbare Veränderung (95\u00a0%); diese ergibt sich aus der Streuung zwischen den dreien.',
   'report.word.band': 'Band',
   'report.word.band.text':
     'Was noch als dieselbe Bewegung gilt: die Streuung der Vorlage, erweitert um die in der Therapie eingestellten Faktoren.',

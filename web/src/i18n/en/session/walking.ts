@@ -225,7 +225,7 @@ export const walking = {
   'walkReport.estimator': '{kind} with {title} (version {version}), walking pipeline version {pipeline}',
   'estimator.foot': 'Foot tracking',
   'walkReport.help':
-    'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three walks.',
+    'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95\u00a0%) from the spread between the first three walks.',
   'walkReport.doubts': 'Limits of this measurement',
   'walkReport.sensors': 'Sensors',
   'walkReport.apart': 'Feet at the start',

@@ -37,7 +37,7 @@ export const report = {
   'course.beside': 'Beside it',
   'course.meanwhile': 'Meanwhile',
   'course.tableHelp':
-    'n: repetitions or strides behind the value. A change is real when it is larger than the minimal detectable change at 95 %, from test and retest between the first three sessions of this patient.',
+    'n: repetitions or strides behind the value. A change is real when it is larger than the minimal detectable change at 95\u00a0%, from test and retest between the first three sessions of this patient.',
   'course.legendRepetitions': 'Patient, each repetition that counts',
   'course.legendStrides': 'Patient, each stride that counts',
   'course.noExercise': 'Choose an exercise on the patient’s page.',
@@ -64,7 +64,7 @@ export const report = {
   'report.chance': '{change}, within chance variation',
   'report.unjudged': 'too few sessions',
   'report.tableHelp':
-    'After ±: one standard deviation within the session. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
+    'After ±: one standard deviation within the session. A change is called real when it is larger than the minimal detectable change (95\u00a0%) from the spread between the first three sessions.',
   'report.isFirst': 'one of the first three',
   'report.isFirstText': 'One of the first three sessions: the later ones are compared with these.',
   'report.legendRepetitions': { one: 'Patient, {count} repetition', other: 'Patient, {count} repetitions' },
@@ -92,7 +92,7 @@ export const report = {
   'report.word.spread.text': 'One standard deviation between the repetitions of the session.',
   'report.word.change': 'Real change',
   'report.word.change.text':
-    'A difference from the mean of the first three sessions that is larger than the minimal detectable change (95 %), which comes from the spread between these three.',
+    'A difference from the mean of the first three sessions that is larger than the minimal detectable change (95\u00a0%), which comes from the spread between these three.',
   'report.word.band': 'Band',
   'report.word.band.text':
     'What still counts as the same movement: the spread of the template, widened by the factors that the therapist set.',
