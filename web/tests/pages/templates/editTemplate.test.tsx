@@ -117,10 +117,11 @@ it('weighs what the therapist weighs, and nothing else', async () => {
   await userEvent.click(add);
   // Each measure once: there are no more than these.
   expect(screen.queryByRole('button', { name: 'Add a measure' })).toBeNull();
+  expect(screen.getByText('When it takes more than 1.5 times as long')).toBeTruthy();
   const weight = screen.getByRole('textbox', { name: 'Weight, for each s' });
   await userEvent.clear(weight);
   await userEvent.type(weight, '-2.5');
-  const other = screen.getByRole('textbox', { name: 'Weight, for each °' });
+  const other = screen.getByRole('textbox', { name: 'Weight, for each degree' });
   await userEvent.clear(other);
   await userEvent.type(other, '0');
   expect(screen.getByText('A weight of zero has no effect and is not saved.')).toBeTruthy();

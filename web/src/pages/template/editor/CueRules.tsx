@@ -199,6 +199,7 @@ function NewCue({
         />
       )}
       <TextInput
+        className="new-cue-words"
         label={t('design.newCueWords')}
         placeholder={t('design.newCueExample')}
         maxLength={120}

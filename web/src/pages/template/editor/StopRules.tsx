@@ -96,6 +96,7 @@ export function LimitRows({ stops, channels, primary, onChange }: Props) {
                   {t('design.limitSide')}
                 </span>
                 <SegmentedControl
+                  size="md"
                   aria-labelledby={`stop-side-${index}`}
                   data={[
                     { value: 'above', label: t('design.limitAbove') },

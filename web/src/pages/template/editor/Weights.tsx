@@ -87,5 +87,6 @@ export function Weights({ weights, measures, onChange }: Props) {
 /** What one of the measure's own unit counts; a length is weighed by the metre, as the service has it. */
 function weightLabel(measure: TemplateMeasure | undefined): string {
   const unit = measure?.unit === 'm' ? 'm' : displayUnit(measure?.unit).suffix.trim();
+  if (unit === '°') return t('design.weightDegree');
   return unit ? t('design.weightPer', { unit }) : t('design.weight');
 }

@@ -4,7 +4,7 @@ import { t, withinSentence } from '../../../i18n';
 import { wordsOf } from '../../../i18n/codes';
 import type { PhaseDraft } from '../../../lib/assessment/design';
 import { channelLabel } from '../../../lib/channels';
-import { number, quantity } from '../../../lib/format';
+import { number, plainTick, quantity } from '../../../lib/format';
 
 /** The name of a phase, or which one it is. */
 export function phaseName(phases: readonly PhaseDraft[], index: number): string {
@@ -36,5 +36,5 @@ export function cueWhen(cue: CueDesign): string {
   if (cue.quantity === 'at_equal')
     return t(`design.when.plane.${cue.side ?? 'both'}`, { by: quantity(cue.tolerance, 'rad') });
   if (cue.quantity === 'range') return t('design.when.range', { share: number(100 * (cue.tolerance ?? 0)) });
-  return t(`design.when.${cue.quantity}`, { times: number(cue.tolerance, 2) });
+  return t(`design.when.${cue.quantity}`, { times: plainTick(cue.tolerance ?? 0, 2) });
 }
