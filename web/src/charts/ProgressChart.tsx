@@ -146,6 +146,8 @@ export function ProgressChart({
     () => events.filter((event) => seconds(event.at) >= firstS - 43_200 && seconds(event.at) <= lastS + 43_200),
     [events, firstS, lastS],
   );
+  // What made all of them is said once, what differs in each line.
+  const isAlike = points.every((one) => one.orientation === points[0]?.orientation);
   const options = useMemo<PlotOptions>(
     () => ({
       cursor: { show: false },
@@ -247,7 +249,7 @@ export function ProgressChart({
               <th scope="col">{measure.label}</th>
               <th scope="col">{t('progress.between')}</th>
               <th scope="col">{t('progress.count')}</th>
-              <th scope="col">{t('progress.estimator')}</th>
+              {!isAlike && <th scope="col">{t('progress.estimator')}</th>}
             </tr>
           </thead>
           <tbody>
@@ -265,11 +267,16 @@ export function ProgressChart({
                 <td className="number" data-label={t('progress.count')}>
                   {point.count}
                 </td>
-                <td data-label={t('progress.estimator')}>{madeBy(point, estimators)}</td>
+                {!isAlike && <td data-label={t('progress.estimator')}>{madeBy(point, estimators)}</td>}
               </tr>
             ))}
           </tbody>
         </table>
+        {isAlike && points[0] && (
+          <p className="muted small">
+            {t('progress.estimator')}: {madeBy(points[0], estimators)}
+          </p>
+        )}
       </details>
     </figure>
   );

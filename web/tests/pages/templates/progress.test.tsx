@@ -1,9 +1,15 @@
 // Progress: too few sessions are said with their number, the other side and norms with their source.
 import { render, screen } from '@testing-library/react';
 import axe from 'axe-core';
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import type { Estimator, ProgressMeasure } from '../../../src/api/types';
-import { BandLegend, madeBy, symmetryText, verdictOf } from '../../../src/charts/ProgressChart';
+import { BandLegend, madeBy, ProgressChart, symmetryText, verdictOf } from '../../../src/charts/ProgressChart';
+
+vi.mock('../../../src/charts/Plot', () => ({
+  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
+  axis: (more: object) => more,
+  themeColour: () => '#000',
+}));
 
 const measure = (change: Partial<ProgressMeasure>): ProgressMeasure => ({
   measure: 'range:a',
@@ -50,6 +56,34 @@ it('names what made a point in words, not as the service stores it', () => {
   const estimators = [{ name: 'telemotion', title: 'Telemotion, live' }] as unknown as Estimator[];
   expect(madeBy({ orientation: 'telemotion 9' }, estimators)).toBe('Telemotion, live (version 9)');
   expect(madeBy({ orientation: 'foot 1' }, estimators)).toBe('Foot tracking (version 1)');
+});
+
+it('says once what made all points, and in each line where they differ', () => {
+  const point = (session_id: string, orientation: string) => ({
+    session_id,
+    at: '2026-04-01T10:00:00Z',
+    value: 64,
+    low: 62,
+    high: 66,
+    count: 8,
+    orientation,
+    template_version_id: null,
+    change: null,
+    is_real_change: null,
+  });
+  const show = (second: string) =>
+    render(
+      <ProgressChart
+        measure={measure({ points: [point('a', 'foot 1'), point('b', second)] })}
+        events={[]}
+        estimators={[]}
+      />,
+    );
+  const { unmount } = show('foot 1');
+  expect(screen.getAllByText(/Foot tracking/).map((one) => one.tagName)).toEqual(['P']);
+  unmount();
+  show('foot 2');
+  expect(screen.getAllByText(/Foot tracking/).map((one) => one.tagName)).toEqual(['TD', 'TD']);
 });
 
 describe('the other side', () => {
