@@ -18,7 +18,7 @@ export function Confirm({
   title: string;
   text: string;
   confirm: string;
-  /** Whether it cannot be taken back, or is a danger. */
+  /** Whether it cannot be undone, or is a danger. */
   isGrave?: boolean;
   onConfirm: () => void;
 }) {

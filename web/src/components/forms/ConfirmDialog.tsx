@@ -7,7 +7,7 @@ export interface ConfirmDialogProps {
   title: string;
   text: string;
   confirm: string;
-  /** What is gone for good, or dangerous, is red; what can be taken back is not. */
+  /** What is gone for good, or dangerous, is red; what can be undone is not. */
   isGrave: boolean;
   onConfirm: () => void;
   onClose: () => void;
