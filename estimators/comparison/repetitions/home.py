@@ -1,8 +1,8 @@
 """Where a repetition begins and ends: home, and how long somebody stays there.
 
-What comes again explains as much wherever it is cut. People begin and end at rest, and rest more between repetitions
-than within: the cut is tried all along one repetition, and on the stay next to it. Where nobody stays, home is the
-posture of the cut, and any is as right as another.
+What comes again explains as much wherever it is cut: the cut is tried all along one repetition, and on the stay next to
+it, and `evidence` says what speaks for each. Where nobody stays, home is the posture of the cut, and any is as right as
+another.
 """
 
 from collections.abc import Callable
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from estimators.comparison.repetitions.cycles import BACK, LEFT, OPEN, Explaining, Explanation, closed_pieces
 from estimators.comparison.repetitions.cycles_kernel import stays_at_home
+from estimators.comparison.repetitions.evidence import Evidence, evidence, rested_at_the_ends
+from estimators.comparison.repetitions.pairs import in_pairs
 from estimators.comparison.repetitions.path import Path
 
 _TRIED: Final = 0.25
@@ -25,8 +27,6 @@ _RIVAL: Final = 0.5
 _CUTS: Final = 25
 _ELSEWHERE: Final = 0.5
 """Share of the size: a stay further from home than that is not at home."""
-_CLOSED: Final = 0.35
-"""Share of the size: a rest further from where the repetition next to it began or ended is not at home."""
 _NEAR: Final = 0.12
 """Share of the size within which somebody stays where they are."""
 _AROUND: Final = 0.12
@@ -38,11 +38,7 @@ _WITHIN: Final = 0.3
 _STILL, _MUCH_SLOWER = 0.1, 5.0
 """Of the longest stay and of the usual time for a step of the path: what lasts longer is a stay as well."""
 _REST_S: Final = 0.4
-_REST_WORTH: Final = 0.5
-_END_WORTH: Final = 0.8
 _LEAST_OF_REST: Final = 0.9
-_LONG_REST_S: Final = 1.5
-"""Nobody who exercises pauses inside a repetition for long: rest at either end speaks for home the more the longer."""
 
 
 def most_likely(
@@ -62,33 +58,33 @@ def most_likely(
 
     Notes
     -----
-    What comes again explains as much wherever it is cut. People begin and end at rest, and rest more between
-    repetitions than within: the cut is tried all along one repetition.
+    What comes again explains as much wherever it is cut. People begin and end at rest, rest more between repetitions
+    than within, and come back to one posture: the cut is tried all along one repetition.
     """
     if not found:
         return _single(path, step_s)
-    best = found[0]
+    best = in_pairs(found, path)
     shifted = [one for piece in _shifted(best, path) if (one := explaining(piece)) is not None]
     rivals = [best, *(one for one in shifted if one.gain >= _RIVAL * best.gain)]
     most = max(len(one.matches) for one in rivals)
-    rested: dict[tuple[int, int], float] = {}
+    known: dict[tuple[int, int], Evidence] = {}
 
-    def rest(one: Explanation) -> float:
+    def speaks_for(one: Explanation) -> Evidence:
         # A piece explains the same whenever it is asked for.
-        if one.piece not in rested:
-            rested[one.piece] = _rest(one, path, step_s)
-        return rested[one.piece]
+        if one.piece not in known:
+            known[one.piece] = evidence(one, at_home(one, path), path, step_s)
+        return known[one.piece]
 
     def fitness(one: Explanation) -> float:
         # A recording that begins or ends inside a repetition shows a whole one more of those that are cut elsewhere.
         count = min((len(one.matches) + 1) / most, 1.0)
-        return count + one.covered / best.covered + one.gain / best.gain + rest(one)
+        return count + one.covered / best.covered + one.gain / best.gain + speaks_for(one).worth
 
-    return max((_centred(one, path, rest, explaining) for one in rivals), key=fitness)
+    return max((_centred(one, path, speaks_for, explaining) for one in rivals), key=fitness)
 
 
 def _centred(
-    one: Explanation, path: Path, rest: Callable[[Explanation], float], explaining: Explaining
+    one: Explanation, path: Path, speaks_for: Callable[[Explanation], Evidence], explaining: Explaining
 ) -> Explanation:
     """Cut where the stays at home are, not near them, unless that loses them: the cuts tried are some way apart."""
     left = at_home(one, path)[:, 0]
@@ -96,9 +92,9 @@ def _centred(
     away = np.maximum(left[:, 0] - begins, 0) + np.minimum(left[:, 1] - begins, 0)
     pieces = _cut_at(path, one.piece[0] + round(float(np.median(away))), one.piece[1] - one.piece[0])
     centred = [found for piece in pieces if (found := explaining(piece)) is not None]
-    least = _LEAST_OF_REST * rest(one)
+    least = _LEAST_OF_REST * speaks_for(one).rest
     return next(
-        (new for new in centred if len(new.matches) >= len(one.matches) and rest(new) >= least),
+        (new for new in centred if len(new.matches) >= len(one.matches) and speaks_for(new).rest >= least),
         one,
     )
 
@@ -107,7 +103,7 @@ def _single(path: Path, step_s: float) -> Explanation | None:
     """Return the movement that was done once, from rest to rest; None where there is none."""
     count = len(path.points) - 1
     once = [Explanation((a, b), np.array([(a, b)]), 0.0, (b - a) / count) for a, b in closed_pieces(path)]
-    found = [one for one in once if min(_rested_at_the_ends(at_home(one, path), path, step_s)) > _REST_S]
+    found = [one for one in once if min(rested_at_the_ends(at_home(one, path), path, step_s)) > _REST_S]
     return max(found, key=lambda one: one.covered, default=None)
 
 
@@ -254,36 +250,3 @@ def at_home(one: Explanation, path: Path) -> NDArray[np.int64]:
         _STILL,
         _MUCH_SLOWER * usual,
     )
-
-
-def _rest(one: Explanation, path: Path, step_s: float) -> float:
-    """Worth of rest: the share of the time that is spent at home between repetitions, and rest at either end."""
-    stays = at_home(one, path)
-    place = np.append(path.place, path.last)
-    stayed = place[stays[:, :, 1] + 1] - place[stays[:, :, 0]]
-    length = float(np.median(np.diff(path.place[one.matches], axis=1)))
-    follows = stays[:-1, 1, 0] == stays[1:, 0, 0]
-    rest = float(np.median(stayed[1:, 0][follows])) / (length + 1.0) if follows.any() else 0.0
-    ends = sum(min(rested / _LONG_REST_S, 1.0) for rested in _rested_at_the_ends(stays, path, step_s))
-    return _REST_WORTH * min(rest, 1.0) + _END_WORTH * ends
-
-
-def _rested_at_the_ends(stays: NDArray[np.int64], path: Path, step_s: float) -> list[float]:
-    """Seconds that somebody rests at home at either end; none where they do something else before, or after.
-
-    `stays` are those of `at_home`. A hold inside a repetition has a part of one on either side.
-    """
-    place = np.append(path.place, path.last)
-    rested = []
-    for rest, other, outside in (
-        (stays[0, 0], stays[0, 1], slice(0, stays[0, 0, 1] + 1)),
-        (stays[-1, 1], stays[-1, 0], slice(stays[-1, 1, 0], None)),
-    ):
-        here, there = (
-            path.points[begin + np.argmax(path.stay[begin : end + 1])] for begin, end in (rest, other)
-        )
-        away = np.linalg.norm(path.points[outside] - here, axis=1).max()
-        # Home is where the repetition next to it begins and ends; a hold near the end of it is not.
-        is_home = away < LEFT * path.size and np.linalg.norm(here - there) < _CLOSED * path.size
-        rested.append(float(place[rest[1] + 1] - place[rest[0]]) * step_s if is_home else 0.0)
-    return rested

@@ -34,12 +34,15 @@ class Path:
         The last sample.
     size : float
         How far the movement goes, in units of the posture.
+    summed : ndarray, shape (N + 1, D)
+        Sum of the postures before each sample, in the coordinates of the points.
     """
 
     points: Float
     place: Float
     last: float
     size: float
+    summed: Float
 
     @cached_property
     def stay(self) -> Float:
@@ -118,7 +121,10 @@ def path_of(values: Float, step_s: float) -> Path | None:
         used = np.flatnonzero(np.cumsum(spread**2) <= 0.995 * (spread**2).sum())[: _DIMENSIONS - 1]
         offset = offset @ axes[: len(used) + 1].T
     points, place = walk(np.ascontiguousarray(offset), _step(offset, size, step_s))
-    return Path(points, place, len(values) - 1.0, size) if len(points) > 3 else None
+    if len(points) <= 3:
+        return None
+    summed = np.concatenate([np.zeros((1, offset.shape[1])), np.cumsum(offset, axis=0)])
+    return Path(points, place, len(values) - 1.0, size, summed)
 
 
 def _step(offset: Float, size: float, step_s: float) -> float:
