@@ -68,6 +68,7 @@ def _room_for(ready: GuidanceTemplate, rest_ticks: int, window_ticks: int) -> tu
         pace=np.zeros((sizes, phases)),
         strange=np.zeros((sizes, phases)),
         line=np.zeros((5, phases)),
+        slope=np.zeros((steering, phases)),
         y=np.zeros(channels),
         v=np.zeros(channels),
         sigma=np.zeros(channels),

@@ -6,9 +6,10 @@ import numpy as np
 from numba import types
 
 from estimators.compiling import compiled
+from estimators.guidance._channel_kernel import rest_speed, slopes, unwrap
 from estimators.guidance._count_kernel import count
 from estimators.guidance._cue_records import ORDERS, SAID, SPOKEN, Orders, Said, Spoken
-from estimators.guidance._phase_kernel import rest_speed, slopes, unwrap, update
+from estimators.guidance._phase_kernel import update
 from estimators.guidance._records import (
     ASTRAY,
     MEMORY,
@@ -59,7 +60,7 @@ def _settle(settings: Record, state: Record, model: Model, memory: Memory, work:
     memory.rest[state.rested] = work.y
     state.rested += 1
     if state.tick % settings.stride == 0:
-        slopes(settings, state, memory, work.v)
+        slopes(settings, state, model, memory, work.v)
         _, speed, weight = rest_speed(model, memory, work)
         if weight > 0.0:
             state.rest_v_count += 1
@@ -216,13 +217,16 @@ def run(
             out.deviation_sigma[k, :] = np.nan
             continue
         if state.tick % settings.stride == 0:
-            slopes(settings, state, memory, work.v)
+            slopes(settings, state, model, memory, work.v)
             update(settings, state, model, memory, work)
             if said.state[0].stopped == 1:
                 state.in_attempt = 0
             else:
                 count(settings, state, model, memory, work, out, orders, said, spoken)
             _follow_start(settings, state, model, memory, work)
+        else:
+            # Between two updates the phase goes on: what is reported is not late by the ticks since the last.
+            state.phase = min(state.phase + state.rate * settings.tick_s, 1.0)
         out.follow[k, PHASE], out.follow[k, SIGMA] = state.phase, state.sigma
         out.follow[k, REST], out.follow[k, ASTRAY] = state.p_rest, state.p_wrong
         out.follow[k, SIZE] = state.size

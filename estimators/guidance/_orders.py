@@ -21,6 +21,7 @@ from estimators.guidance._cue_records import (
     Said,
 )
 from estimators.guidance._rules import QUANTITIES, STOP_KINDS, CueRule, StopRule
+from estimators.guidance._template import WHOLE_PACE
 from estimators.kernels import filled
 
 _MOVES: Final = 0.02
@@ -61,7 +62,7 @@ def make_orders(
     """Return the records of rules and stops; raises `SetupError` for a channel that the template has not."""
     model, origin = ready.model, np.where(ready.model.absolute == 1, 0.0, ready.mean[0])
     middle = np.rint((np.arange(len(model.whole)) + 0.5) / len(model.whole) * (PHASES - 1)).astype(int)
-    speed = (model.weight[:, None] * model.slope**2 / model.variance[:, :1]).sum(axis=0)
+    speed = (model.weight[:, None] * model.slope[WHOLE_PACE] ** 2 / model.variance[:, :1]).sum(axis=0)
     speed /= model.weight.sum() * ready.duration_s**2
     moving_speed = _MOVES * float(speed.mean())
     settings = filled(

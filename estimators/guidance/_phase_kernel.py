@@ -6,20 +6,32 @@ repeats the template exactly ahead in holds, and behind after them and at the en
 - (2) expects the template's pace; here the patient's own, which the filter follows.
 - (3) charges standing still; (4) asks whither, not how fast the body moves. Here slopes are held against the pace of
   each state, so that one looks not long at each place (`memory_s`) and still does not lose its way.
-- Slopes lie half a window back, those of the template here as well (`prepare_template`).
+- Slopes lie half a window back, those of the template here as well (`prepare_template`), at the patient's own pace.
+- sigma_v is one number there; here it is small where the template rests and grows with its speed: when a hold begins
+  and ends shows in slow movement.
+- A phase that moves fast can explain any slope by its pace; the logarithm of the variance that it expects sets the
+  ends of a movement apart from a slower middle.
+- Splitting a mass between two bins blurs it, in a hold by more than all else: `_shifted` takes most of that back.
 - Only the last phase passes on to rest or to the next repetition: the last three took away what was ahead.
 """
 
 import math
 
-import numpy as np
-
+from estimators.guidance._channel_kernel import (
+    ALONG,
+    CROSS,
+    FIT,
+    SIZE,
+    SPEED,
+    STEEP,
+    rest_speed,
+    slopes_at_pace,
+    sums_of_channels,
+)
 from estimators.guidance._records import Memory, Model, Work
 from estimators.kernels import Record, step
 from estimators.recording import Float
 
-FIT, CROSS, SIZE, SPEED, ALONG, STEEP = range(6)
-"""Rows of the sums: <(y-y0)^2/s^2>, <(y-y0) mu/s^2>, <mu^2/s^2>, <v^2/s^2>, <v mu'/s^2>, <mu'^2/s^2>."""
 SHIFT, SLOWEST, ONWARD, STAYS, BACK = range(5)
 """Rows of the lines with which probabilities are moved."""
 _ENTRY = 3
@@ -43,123 +55,19 @@ def _decay(x: float) -> float:
 
 
 @step()
-def unwrap(model: Model, memory: Memory, values: Float, y: Float) -> None:
-    """Take one tick's values, angles by whole turns nearest to their last, and put them into the ring's slot `y`."""
-    for c in range(len(values)):
-        value = values[c]
-        if not math.isnan(value):
-            if model.turns[c] == 1 and not math.isnan(memory.last[c]):
-                value += 2.0 * math.pi * np.rint((memory.last[c] - value) / (2.0 * math.pi))
-            memory.last[c] = value
-        y[c] = value
-
-
-@step()
-def slopes(settings: Record, state: Record, memory: Memory, v: Float) -> None:
-    """Fit a line to the last values of each channel; NaN where fewer than half are known."""
-    width = memory.window.shape[0]
-    newest = state.tick % width
-    for c in range(memory.window.shape[1]):
-        count, t, tt, s, ts = 0.0, 0.0, 0.0, 0.0, 0.0
-        base = memory.window[newest, c]
-        v[c] = np.nan
-        if math.isnan(base):
-            continue
-        for k in range(width):
-            value = memory.window[(newest + width - k) % width, c]
-            if not math.isnan(value):
-                age = -float(k)
-                count += 1.0
-                t += age
-                tt += age * age
-                s += value - base
-                ts += age * (value - base)
-        if 2.0 * count > width and count > 1.0:
-            v[c] = (ts - t * s / count) / (tt - t * t / count) / settings.tick_s
-
-
-@step()
-def _sums(model: Model, memory: Memory, work: Work) -> tuple[float, float]:
-    """Sum over the channels present, once a phase; return the weights of values and of slopes."""
-    sums = work.sums
-    phases = sums.shape[1]
-    sums[:] = 0.0
-    of_values, of_slopes = 0.0, 0.0
-    for f in range(len(model.steering)):
-        c = model.steering[f]
-        d = work.y[c] - memory.start[c]
-        if math.isnan(d):
-            continue
-        w, v = model.weight[f], work.v[c]
-        sigma = work.sigma[c]
-        extra = 0.0 if math.isnan(sigma) else 0.25 * sigma * sigma
-        of_values += w
-        mu, slope, variance = model.offset[f], model.slope[f], model.variance[f]
-        if math.isnan(v):
-            for b in range(phases):
-                precision = w / (variance[b] + extra)
-                sums[FIT, b] += precision * d * d
-                sums[CROSS, b] += precision * d * mu[b]
-                sums[SIZE, b] += precision * mu[b] * mu[b]
-            continue
-        of_slopes += w
-        for b in range(phases):
-            precision = w / (variance[b] + extra)
-            sums[FIT, b] += precision * d * d
-            sums[CROSS, b] += precision * d * mu[b]
-            sums[SIZE, b] += precision * mu[b] * mu[b]
-            sums[SPEED, b] += precision * v * v
-            sums[ALONG, b] += precision * v * slope[b]
-            sums[STEEP, b] += precision * slope[b] * slope[b]
-    value_scale = 1.0 / of_values if of_values > 0.0 else 0.0
-    slope_scale = 1.0 / of_slopes if of_slopes > 0.0 else 0.0
-    for b in range(phases):
-        sums[FIT, b] *= value_scale
-        sums[CROSS, b] *= value_scale
-        sums[SIZE, b] *= value_scale
-        sums[SPEED, b] *= slope_scale
-        sums[ALONG, b] *= slope_scale
-        sums[STEEP, b] *= slope_scale
-    return of_values, of_slopes
-
-
-@step()
-def rest_speed(model: Model, memory: Memory, work: Work) -> tuple[float, float, float]:
-    """Return <(y-y0)^2/s0^2>, <v^2/s0^2> and the weight of slopes at the start posture."""
-    away, speed, of_values, of_slopes = 0.0, 0.0, 0.0, 0.0
-    for f in range(len(model.steering)):
-        c = model.steering[f]
-        sigma = work.sigma[c]
-        variance = model.variance[f, 0] + (0.0 if math.isnan(sigma) else 0.25 * sigma * sigma)
-        d, v = work.y[c] - memory.start[c], work.v[c]
-        if not math.isnan(d):
-            away += model.weight[f] * d * d / variance
-            of_values += model.weight[f]
-        if not math.isnan(v):
-            speed += model.weight[f] * v * v / variance
-            of_slopes += model.weight[f]
-    return (
-        away / of_values if of_values > 0.0 else 0.0,
-        speed / of_slopes if of_slopes > 0.0 else 0.0,
-        of_slopes,
-    )
-
-
-@step()
 def _pace(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
     """Equation (2): at which pace each phase and size goes on, and how strange the slopes would be at it.
 
     Expected is the patient's own pace, which follows what is seen; where the template holds, its own: how long somebody
-    stays does not follow from how fast he moves. Strange is what is left of the slopes, <(v - r a mu')^2>, and how far
-    the pace is from the expected one: it sets a movement that slows down before a hold
+    stays does not follow from how fast he moves; at rest it is forgotten. Strange is what is left of the slopes,
+    <(v - r a mu')^2>, and how far the pace is from the expected one: it sets a movement that slows down before a hold
     apart from the hold.
     """
     sums, pace, strange, mass = work.sums, work.pace, work.strange, memory.mass
     sizes, phases = mass.shape
     r0 = settings.pace
     known = 1.0 / (settings.pace_sd * r0) ** 2
-    per_slope = 1.0 / settings.slope_sd_per_s**2
-    per_left = 1.0 / (settings.slope_sd_per_s**2 + state.rest_v)
+    least = settings.slope_sd_per_s**2
     fastest = settings.fastest * r0
     ahead = state.pace - r0
     gone, steepness = work.line[0], work.line[1]
@@ -169,46 +77,51 @@ def _pace(settings: Record, state: Record, model: Model, memory: Memory, work: W
         for b in range(phases):
             along, steep = size * sums[ALONG, b], size * size * sums[STEEP, b]
             level = steep * r0 * r0
+            noise = least + settings.slope_share * level
             expected = r0 + ahead * level / (level + 1.0)
-            r = (expected * known + along * per_slope) / (known + steep * per_slope)
+            r = (expected * known * noise + along) / (known * noise + steep)
             held = min(max(r, 0.0), fastest)
             left = sums[SPEED, b] - 2.0 * held * along + held * held * steep
             pace[a, b] = r
-            strange[a, b] = left * per_left + (held - expected) * (held - expected) * known
-            gone[b] += mass[a, b] * along
-            steepness[b] += mass[a, b] * steep
+            strange[a, b] = left / (noise + state.rest_v) + (held - expected) * (held - expected) * known
+            gone[b] += mass[a, b] * along / noise
+            steepness[b] += mass[a, b] * steep / noise
     moved, certain = 0.0, 0.0
     for b in range(phases):
         moved += gone[b]
         certain += steepness[b]
     if certain > 0.0:
-        new = certain * per_slope * settings.update_s
+        new = certain * settings.update_s
         own = state.pace + new / (new + known * settings.pace_follows_s) * (moved / certain - state.pace)
         state.pace = min(max(own, _SLOWEST_OWN * r0), fastest)
+    state.pace += state.p_rest * settings.update_s / settings.pace_forgets_s * (r0 - state.pace)
 
 
 @step()
-def _shifted(mass: Float, shift: Float, onward: Float, stays: Float, back: Float, moved: Float) -> None:
-    """Move one size's probabilities by `shift` phases each, split between two bins; what leaves an end stays there.
+def _shifted(
+    mass: Float, shift: Float, blur: float, onward: Float, stays: Float, back: Float, moved: Float
+) -> None:
+    """Move one size's probabilities by `shift` phases each; what leaves an end stays there.
 
-    No further than one bin, as nearly always, each bin gathers what comes from the two beside it and from itself, in
-    the order in which they would be handed on one by one: the same bits, in wide instructions.
+    Split between two bins, a mass that goes f bins spreads by a variance of f (1 - f): many times `blur_per_s`. No
+    further than one bin, as nearly always, three bins share it so that its mean goes f on and its variance grows by
+    `blur` of that alone (Lax and Wendroff's weights with none); one of them may take from what others bring, but
+    nothing falls below zero. Each bin gathers what comes from the two beside it and from itself, in wide instructions.
     """
     phases, last = len(mass), len(mass) - 1
     is_near = True
     for b in range(phases):
-        place = b + shift[b]
-        low = np.floor(place)
-        share = place - low
-        is_here = low == b
-        onward[b] = share if is_here else 0.0
-        stays[b] = 1.0 - share if is_here else share
-        back[b] = 0.0 if is_here else 1.0 - share
-        is_near &= is_here | (low == b - 1.0)
+        far = abs(shift[b])
+        square = far * far + blur * far * (1.0 - far)
+        onward[b] = 0.5 * (square + shift[b])
+        stays[b] = 1.0 - square
+        back[b] = 0.5 * (square - shift[b])
+        is_near &= far < 1.0
     if is_near:
         for b in range(1, last):
-            moved[b] = onward[b - 1] * mass[b - 1] + stays[b] * mass[b] + back[b + 1] * mass[b + 1]
-        moved[0] = back[0] * mass[0] + stays[0] * mass[0] + back[1] * mass[1]
+            comes = onward[b - 1] * mass[b - 1] + stays[b] * mass[b] + back[b + 1] * mass[b + 1]
+            moved[b] = max(comes, 0.0)
+        moved[0] = max(back[0] * mass[0] + stays[0] * mass[0] + back[1] * mass[1], 0.0)
         moved[last] = onward[last - 1] * mass[last - 1] + stays[last] * mass[last] + onward[last] * mass[last]
         return
     moved[:] = 0.0
@@ -237,7 +150,15 @@ def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
         for b in range(phases):
             pace = min(max(work.pace[a, b], slowest[b]), fastest)
             shift[b] = pace * dt * phases
-        _shifted(mass[a], shift, work.line[ONWARD], work.line[STAYS], work.line[BACK], moved[a])
+        _shifted(
+            mass[a],
+            shift,
+            settings.split_blur,
+            work.line[ONWARD],
+            work.line[STAYS],
+            work.line[BACK],
+            moved[a],
+        )
     spread = 0.5 * settings.blur_per_s * dt * phases * phases
     trade = 0.5 * settings.size_exchange_per_s * dt
     for a in range(sizes):
@@ -302,6 +223,8 @@ def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: 
     sizes, phases = mass.shape
     rate = 0.5 * settings.update_s / settings.memory_s
     r0 = settings.pace
+    of_pace = settings.pace_sd**2 + settings.slope_share
+    least = settings.slope_sd_per_s**2 + state.rest_v
     against = work.line[0]
     for b in range(phases):
         speed, steep = sums[SPEED, b], sums[STEEP, b]
@@ -309,7 +232,7 @@ def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: 
         steady = steep * r0 * r0
         against[b] = (
             settings.direction * 0.5 * turned * speed / (speed + 1.0 + state.rest_v) * steady / (steady + 1.0)
-        )
+        ) + settings.steepness * math.log(1.0 + steady * of_pace / least)
     for a in range(sizes):
         size = model.sizes[a]
         for b in range(phases):
@@ -322,8 +245,8 @@ def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: 
 
 
 @step()
-def _read(state: Record, model: Model, memory: Memory, work: Work) -> None:
-    """Equation (8): normalise, and read phase, its sigma and the size."""
+def _read(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Equation (8): normalise, and read phase, its sigma, at which rate it goes on, and the size."""
     mass, line = memory.mass, work.line[0]
     sizes, phases = mass.shape
     line[:] = 0.0
@@ -345,11 +268,15 @@ def _read(state: Record, model: Model, memory: Memory, work: Work) -> None:
     for b in range(phases):
         if line[b] > line[mode]:
             mode = b
-    near, sum_near = 0.0, 0.0
+    near, sum_near, gone = 0.0, 0.0, 0.0
+    fastest = settings.fastest * settings.pace
     for b in range(max(mode - _NEAR, 0), min(mode + _NEAR + 1, phases)):
         near += line[b]
         sum_near += line[b] * (b + 0.5) / phases
+        for a in range(sizes):
+            gone += total * mass[a, b] * min(max(work.pace[a, b], 0.0), fastest)
     state.phase = sum_near / near
+    state.rate = gone / near
     spread = 0.0
     for b in range(phases):
         spread += line[b] * ((b + 0.5) / phases - state.phase) ** 2
@@ -360,7 +287,8 @@ def _read(state: Record, model: Model, memory: Memory, work: Work) -> None:
 @step()
 def update(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
     """Go one update on: move, change, weigh, read. Without any channel nothing is weighed."""
-    of_values, _ = _sums(model, memory, work)
+    slopes_at_pace(settings, state, model, work)
+    of_values, _ = sums_of_channels(model, memory, work)
     _pace(settings, state, model, memory, work)
     _move(settings, model, memory, work)
     _change(settings, state, memory, work)
@@ -368,7 +296,7 @@ def update(settings: Record, state: Record, model: Model, memory: Memory, work: 
     state.v = speed
     if of_values > 0.0:
         _weigh(settings, state, model, memory, work, away)
-    _read(state, model, memory, work)
+    _read(settings, state, model, memory, work)
 
 
-__all__ = ["rest_speed", "slopes", "unwrap", "update"]
+__all__ = ["update"]

@@ -12,13 +12,17 @@ from estimators.recording import Float
 _TUNED: Final[Fields] = [
     ("pace_sd", "f8"),
     ("slope_sd_per_s", "f8"),
+    ("slope_share", "f8"),
     ("slowest", "f8"),
     ("fastest", "f8"),
     ("blur_per_s", "f8"),
+    ("split_blur", "f8"),
     ("size_exchange_per_s", "f8"),
     ("pace_follows_s", "f8"),
+    ("pace_forgets_s", "f8"),
     ("free_misfit", "f8"),
     ("direction", "f8"),
+    ("steepness", "f8"),
     ("misfit_cap", "f8"),
     ("memory_s", "f8"),
     ("rest_speed", "f8"),
@@ -65,6 +69,7 @@ STATE: Final = record(
         ("p_rest", "f8"),
         ("p_wrong", "f8"),
         ("phase", "f8"),
+        ("rate", "f8"),  # at which the phase goes on, 1/s
         ("sigma", "f8"),
         ("size", "f8"),
         ("finished", "i8"),
@@ -98,13 +103,14 @@ PHASE, SIGMA, REST, ASTRAY, SIZE, OUT = range(6)
 
 
 class Model(NamedTuple):
-    """The template as the filter reads it: B phases, C channels, of them F that steer, A sizes, K targets.
+    """The template as the filter reads it: B phases, C channels, of them F that steer, A sizes, K targets, P paces.
 
     Attributes
     ----------
-    offset, slope : ndarray, shape (F, B)
-        mu and mu' of the steering channels, by channel so that sums over phases run along memory; mu' is as late as
-        the slopes that are held against it.
+    offset : ndarray, shape (F, B)
+        mu of the steering channels, by channel so that sums over phases run along memory.
+    slope : ndarray, shape (P, F, B)
+        mu', as late as the slopes that are held against it: of somebody at half the template's pace, at its pace, ...
     variance : ndarray, shape (F, B)
         (b / 1.64)^2 + (0.05 rho)^2 of equation (1).
     weight : ndarray, shape (F,)
@@ -180,6 +186,8 @@ class Work(NamedTuple):
     pace, strange : ndarray, shape (A, B)
         Equation (2), and how strange the slopes seen are at that pace.
     line : ndarray, shape (5, B)
+    slope : ndarray, shape (F, B)
+        mu' at the patient's pace.
     y, v, sigma : ndarray, shape (C,)
     prior : ndarray, shape (A,)
     sorted : ndarray, shape (R,)
@@ -190,6 +198,7 @@ class Work(NamedTuple):
     pace: Float
     strange: Float
     line: Float
+    slope: Float
     y: Float
     v: Float
     sigma: Float
@@ -220,11 +229,11 @@ class Out(NamedTuple):
 
 
 def _types() -> tuple[Any, ...]:
-    row, table = types.float64[::1], types.float64[:, ::1]
+    row, table, tables = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole, small = types.int64[::1], types.uint8[::1]
-    model = bundle(Model, table, table, table, row, whole, row, table, small, small, row, table)
+    model = bundle(Model, table, tables, table, row, whole, row, table, small, small, row, table)
     memory = bundle(Memory, table, row, row, table, table, row, row, row)
-    work = bundle(Work, table, table, table, table, table, row, row, row, row, row)
+    work = bundle(Work, table, table, table, table, table, table, row, row, row, row, row)
     out = bundle(Out, table, table, table, rows(REPETITION), table, whole)
     return model, memory, work, out
 

@@ -23,9 +23,12 @@ SIZES: Final = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
 """Sizes that are distinguished, as shares of the template's."""
 _BAND_SIGMAS: Final = 1.64
 _SHARE_OF_RANGE: Final = 0.05
-SLOPE_S: Final = 0.12
-"""Over how long in the past a line is laid through what is measured, for its slope."""
-_SLOPE_POINTS: Final = 13
+SLOPE_S: Final = 0.24
+"""Over how long in the past a line is laid through what is measured, for its slope: longer than a beat of tremor."""
+PACES: Final = (0.5, 1.0, 1.5, 2.0)
+"""Of a patient, in the template's, for which slopes are made ready; evenly spaced from the first, which is the step."""
+WHOLE_PACE: Final = PACES.index(1.0)
+_SLOPE_POINTS: Final = 25
 _ENOUGH: Final = 1.0
 """Weight of all angles from which they tell the phase alone."""
 _PROMINENCE: Final = 0.3
@@ -110,7 +113,7 @@ def prepare_template(
     variance = (width / _BAND_SIGMAS) ** 2 + (_SHARE_OF_RANGE * extent) ** 2
     model = Model(
         offset=_by_channel(offset, columns),
-        slope=_trailing_slope(offset[:, columns], template.duration_s),
+        slope=np.stack([_trailing_slope(offset[:, columns], template.duration_s / pace) for pace in PACES]),
         variance=_by_channel(variance, columns),
         weight=np.ascontiguousarray(weight[columns]),
         steering=columns.astype(np.int64),
@@ -158,7 +161,7 @@ def _by_channel(curves: Float, columns: NDArray[np.intp]) -> Float:
 
 
 def _trailing_slope(curves: Float, duration_s: float) -> Float:
-    """Slopes per phase at the middles of the bins, shape (C, B), of lines through the past `SLOPE_S` at this pace.
+    """Slopes per phase at the middles of the bins, shape (C, B), of lines through the past `SLOPE_S` of a cycle.
 
     What is measured has its slope over the past, half of that late; held against the slope at the phase itself it would
     draw the phase on where a movement slows down, and back where one begins.

@@ -72,10 +72,6 @@ QUICK = {
     "magnetic_bench": 20,
 }
 SHORT: dict[str, set[str]] = {
-    "guidance_phase": {
-        "delay, median",
-        "delay, 95 %",
-    },
     "guidance_cues": {
         "cues that were right",
         "false cues with pauses, tremor, stops or no rest, of 100",
