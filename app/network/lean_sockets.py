@@ -137,8 +137,8 @@ class LeanSocket(WebSocketsSansIOProtocol):
         """Take nothing for a while: the sender is too fast, or what it sends cannot be taken yet.
 
         What was read already waits, too. Given on at once it would be seconds of signal, and then nothing would come
-        until their time is over, which looks like a lost link. If the connection ends meanwhile it is lost; it was never
-        acknowledged.
+        until their time is over, which looks like a lost link. If the connection ends meanwhile it is lost; nobody has
+        acknowledged it.
         """
         if self.transport.is_closing():
             return
