@@ -230,7 +230,10 @@ def check_truth(client: httpx.Client, done: Done, kinds: list[str], cues: dict[i
     assert [one["repetition"]["counted"] for one in compared["repetitions"]] == kinds
     for one, bounds in zip(compared["repetitions"], truth, strict=True):
         assert one["repetition"]["is_kept"]
-        assert (one["repetition"]["start_s"], one["repetition"]["end_s"]) == pytest.approx(bounds, abs=0.6)
+        # Whoever moves half as fast also begins so: where a slow one starts is seen later.
+        within_s = max(0.6, 0.08 * (bounds[1] - bounds[0]))
+        found = one["repetition"]["start_s"], one["repetition"]["end_s"]
+        assert found == pytest.approx(tuple(bounds), abs=within_s), (found, bounds)
     # Nobody turned the arm: six degrees of a sensor beside a hanging arm would be forty of these.
     assert not re.search("plane of elevation|axial rotation|range was", " ".join(compared["findings"]))
     return compared
