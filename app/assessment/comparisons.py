@@ -52,7 +52,7 @@ from estimators.errors import ComparisonError, EstimationError
 
 logger = logging.getLogger(__name__)
 
-VERSION = "5"
+VERSION = "6"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
 
 

@@ -44,7 +44,7 @@ _EDGE_LOW, _EDGE_HIGH = 0.75, 0.9
 
 @step(inlined=True)
 def _decay(x: float) -> float:
-    """Return exp(-x) for 0 <= x <= 8 within 1e-6 of it, without a call so that loops become wide instructions."""
+    """Return exp(-x) for 0 <= x <= 15 within 1e-6 of it, without a call so that loops become wide instructions."""
     u = x / 32.0
     p = 1.0 - u * (1.0 - u * (0.5 - u * (1.0 / 6.0 - u * (1.0 / 24.0 - u / 120.0))))
     p *= p
@@ -104,9 +104,11 @@ def _shifted(
     """Move one size's probabilities by `shift` phases each; what leaves an end stays there.
 
     Split between two bins, a mass that goes f bins spreads by a variance of f (1 - f): many times `blur_per_s`. No
-    further than one bin, as nearly always, three bins share it so that its mean goes f on and its variance grows by
-    `blur` of that alone (Lax and Wendroff's weights with none); one of them may take from what others bring, but
-    nothing falls below zero. Each bin gathers what comes from the two beside it and from itself, in wide instructions.
+    further than one bin, three bins share it so that its mean goes f on and its variance grows by
+    `blur` of that alone (Lax and Wendroff's weights with none). One of them may take from what others bring; nothing
+    falls below zero, so that a lone bin may gain a little, which the next reading takes out of all. Further than one
+    bin, as in templates that are done within a second, mass is split as ever. Each bin gathers what comes from the two
+    beside it and from itself, in wide instructions.
     """
     phases, last = len(mass), len(mass) - 1
     is_near = True
@@ -122,7 +124,8 @@ def _shifted(
             comes = onward[b - 1] * mass[b - 1] + stays[b] * mass[b] + back[b + 1] * mass[b + 1]
             moved[b] = max(comes, 0.0)
         moved[0] = max(back[0] * mass[0] + stays[0] * mass[0] + back[1] * mass[1], 0.0)
-        moved[last] = onward[last - 1] * mass[last - 1] + stays[last] * mass[last] + onward[last] * mass[last]
+        leaves = onward[last - 1] * mass[last - 1] + stays[last] * mass[last] + onward[last] * mass[last]
+        moved[last] = max(leaves, 0.0)
         return
     moved[:] = 0.0
     for b in range(phases):

@@ -11,7 +11,7 @@ const SHOE =
   'M-0.055 0C-0.055 0.026-0.038 0.036-0.012 0.036C0.04 0.036 0.075 0.036 0.11 0.046C0.15 0.056 0.19 0.05 0.208 0.022C0.22-0.002 0.212-0.034 0.184-0.046C0.15-0.056 0.12-0.046 0.085-0.034C0.05-0.022 0.02-0.034-0.012-0.034C-0.038-0.034-0.055-0.026-0.055 0Z';
 
 /** Pixels a metre from which a letter has room on a foot. */
-const LETTERS_FROM = 90;
+const LETTERS_FROM = 80;
 
 export interface MapParts {
   mass: boolean;
@@ -40,7 +40,8 @@ export function FootprintMap({ gait, parts, selected }: FootprintMapProps) {
   const { scale, isUpright } = frame;
   const along = (frame.maxX - frame.minX) * scale;
   const across = (frame.maxY - frame.minY) * scale;
-  const width = isUpright ? across : along;
+  // The scale below has its place, however narrow the walk is.
+  const width = isUpright ? Math.max(across, scale + 56) : along;
   const height = (isUpright ? along : across) + 34;
   const count = (side: 'left' | 'right') => gait.feet.find((foot) => foot.side === side)?.footholds.length ?? 0;
   const floor = height - 34;
@@ -56,7 +57,7 @@ export function FootprintMap({ gait, parts, selected }: FootprintMapProps) {
             length: number(frame.maxX - frame.minX - 0.6, 1),
           })}
         </title>
-        <g transform={isUpright ? `translate(0 ${along}) rotate(-90)` : undefined}>
+        <g transform={isUpright ? `translate(${(width - across) / 2} ${along}) rotate(-90)` : undefined}>
           {Array.from({ length: Math.ceil(frame.maxX) - Math.ceil(frame.minX) }, (_, index) => {
             const x = (Math.ceil(frame.minX) + index - frame.minX) * scale;
             return <path key={index} d={`M${x} 0V${across}`} stroke="var(--tm-line)" strokeWidth="1" />;

@@ -156,6 +156,7 @@ function Row({ account, onReset }: { account: Account; onReset: () => void }) {
               title={t('clinic.removeSecondTitle', { name: account.display_name })}
               text={t('clinic.removeSecondText')}
               confirm={t('clinic.removeSecond')}
+              isGrave
               onConfirm={() => change.mutate({ id: account.id, patch: { remove_second_factor: true } })}
             />
           )}

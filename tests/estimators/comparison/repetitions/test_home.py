@@ -7,7 +7,6 @@ from estimators.comparison import Trajectory, find_repetitions
 from estimators.comparison.repetitions.cycles import explain, explaining_once
 from estimators.comparison.repetitions.evidence import Evidence, evidence
 from estimators.comparison.repetitions.home import at_home
-from estimators.comparison.repetitions.pairs import in_pairs
 from estimators.comparison.repetitions.path import path_of
 from tests.estimators.comparison.conftest import minimum_jerk
 
@@ -90,6 +89,5 @@ def test_bends_of_one_kind_are_no_pairs_whether_slower_or_smaller_every_second_t
     assert len(found_in(knee(bends))) == 10
 
 
-def test_two_jumps_are_too_few_to_tell_pairs():
-    _, path, best = spoken_for(knee(JUMP * 2))
-    assert in_pairs([best], path) is best
+def test_three_jumps_are_too_few_to_tell_their_bends_apart():
+    assert len(found_in(knee(JUMP * 3))) == 6

@@ -86,6 +86,7 @@ export function LiveButtons({ sessionId, state, isRecording, isGuided = false }:
             title={t('live.closeTitle')}
             text={t('live.closeText')}
             confirm={t('live.close')}
+            isGrave
             onConfirm={() => deed.mutate('close')}
           />
         </span>
