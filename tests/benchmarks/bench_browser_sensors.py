@@ -83,7 +83,8 @@ def stream(worn: list[Worn], relay: Relay, seconds: float, broken_s: float) -> N
         one.page.wait_for_function(
             "count => emulated.emitted === count", arg=len(one.wearer.samples), timeout=1000 * seconds
         )
-        one.page.get_by_role("button", name="I have finished").click()
+        one.page.get_by_role("button", name="Stop", exact=True).click()
+        one.page.get_by_role("button", name="Finish for today").click()
     for one in worn:
         ready = one.page.get_by_role("heading", name="Your result is ready")
         expect(ready).to_be_visible(timeout=600_000)
