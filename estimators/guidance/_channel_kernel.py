@@ -10,7 +10,7 @@ from estimators.recording import Float
 
 FIT, CROSS, SIZE, SPEED, ALONG, STEEP = range(6)
 """Rows of the sums: <(y-y0)^2/s^2>, <(y-y0) mu/s^2>, <mu^2/s^2>, <v^2/s^2>, <v mu'/s^2>, <mu'^2/s^2>."""
-_PACE_STEP = 0.5
+PACE_STEP = 0.5
 """Between the paces for which the model has slopes, in r0, and the first of them."""
 
 
@@ -54,7 +54,7 @@ def slopes(settings: Record, state: Record, model: Model, memory: Memory, v: Flo
 def slopes_at_pace(settings: Record, state: Record, model: Model, work: Work) -> None:
     """Take the template's slopes as late as those of somebody who moves at the patient's pace."""
     paces, channels, phases = model.slope.shape
-    place = min(max(state.pace / (_PACE_STEP * settings.pace) - 1.0, 0.0), paces - 1.0)
+    place = min(max(state.pace / (PACE_STEP * settings.pace) - 1.0, 0.0), paces - 1.0)
     low = min(int(place), paces - 2)
     share = place - low
     for f in range(channels):
@@ -134,6 +134,7 @@ __all__ = [
     "ALONG",
     "CROSS",
     "FIT",
+    "PACE_STEP",
     "SIZE",
     "SPEED",
     "STEEP",

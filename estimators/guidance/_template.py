@@ -14,6 +14,7 @@ from estimators.comparison.channels.names import tells_movement
 from estimators.comparison.channels.sided import TRUNK_CHANNELS
 from estimators.conventions import Side
 from estimators.errors import SetupError
+from estimators.guidance._channel_kernel import PACE_STEP
 from estimators.guidance._contract import GuidanceTemplate
 from estimators.guidance._records import Model
 from estimators.recording import Float
@@ -25,7 +26,7 @@ _BAND_SIGMAS: Final = 1.64
 _SHARE_OF_RANGE: Final = 0.05
 SLOPE_S: Final = 0.24
 """Over how long in the past a line is laid through what is measured, for its slope: longer than a beat of tremor."""
-PACES: Final = (0.5, 1.0, 1.5, 2.0)
+PACES: Final = tuple(PACE_STEP * number for number in range(1, 5))
 """Of a patient, in the template's, for which slopes are made ready; evenly spaced from the first, which is the step."""
 WHOLE_PACE: Final = PACES.index(1.0)
 _SLOPE_POINTS: Final = 25
