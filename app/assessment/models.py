@@ -1,11 +1,13 @@
 """Tables of comparisons."""
 
+from datetime import datetime
 from typing import Any, Final
 
 from sqlalchemy import JSON, Boolean, Float, ForeignKey, Index, Integer, LargeBinary, String
 from sqlalchemy.orm import Mapped, mapped_column
 
-from app.database.base import Base, Identified
+from app.assessment.worries.compensation import largest_compensation
+from app.database.base import Base, Identified, UtcDateTime
 
 ALL_REPETITIONS: Final = 0
 """In the place of a repetition's number: a measure that only all repetitions together have."""
@@ -27,6 +29,11 @@ class Comparison(Identified, Base):
     """`ComparisonSummary` of the schemas: each measure with value, unit, spread and count."""
     content: Mapped[bytes] = mapped_column(LargeBinary)
     """Curves and warping paths, `estimators.comparison` codec."""
+    compensation: Mapped[dict[str, Any] | None] = mapped_column(
+        JSON(none_as_null=True),
+        default=lambda context: largest_compensation(context.get_current_parameters()["summary"]),
+    )
+    """The largest of the summary that is a reason to look, read from it when it is stored."""
 
 
 class RepetitionMeasure(Base):
@@ -63,6 +70,20 @@ class ComparisonMeasure(Base):
     """Whether only all repetitions together have it, `ALL_REPETITIONS`."""
     uncertainty: Mapped[float | None] = mapped_column(Float)
     """The largest of the rows; of all repetitions together, that of the value."""
+
+
+class WorrySeen(Identified, Base):
+    """That somebody has seen a worry; the worries themselves are read from sessions (`app.assessment.worries`)."""
+
+    __tablename__ = "worry_seen"
+
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    kind: Mapped[str] = mapped_column(String(20))
+    """`WorryKind`."""
+    known_until: Mapped[datetime] = mapped_column(UtcDateTime)
+    """What of this kind became known later in the session was not seen yet."""
+    seen_by: Mapped[str] = mapped_column(String(32))
+    """Account; empty for what happened long before such marks were kept."""
 
 
 class CourseNote(Identified, Base):

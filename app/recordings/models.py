@@ -105,8 +105,9 @@ class SessionEvent(Identified, Base):
     """A change of state, a gap, a lost sensor, a mark or a calibration; shown on the time line."""
 
     __tablename__ = "session_event"
+    __table_args__ = (Index(None, "session_id", "kind"),)
 
-    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"))
     kind: Mapped[str] = mapped_column(String(40))
     time_s: Mapped[float] = mapped_column(Float)
     """Session time."""
@@ -125,6 +126,8 @@ class SessionAnswers(Base):
         ForeignKey("motion_session.id", ondelete="CASCADE"), primary_key=True
     )
     pain: Mapped[int | None] = mapped_column(Integer)
+    most_pain: Mapped[int | None] = mapped_column(Integer)
+    """The most that was ever answered: saying it again does not take it back."""
     effort: Mapped[int | None] = mapped_column(Integer)
     third: Mapped[int | None] = mapped_column(Integer)
     question: Mapped[str] = mapped_column(String(200), default="")

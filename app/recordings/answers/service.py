@@ -39,8 +39,13 @@ def store(session: Session, subject: Subject, session_id: str, wanted: AnswersIn
     found = repository.get_session(session, subject, session_id, "record", action="session.answer")
     question = _question(session, found)
     stored = session.get(SessionAnswers, found.id) or SessionAnswers(session_id=found.id)
-    for name, value in wanted.model_dump().items():
+    said = wanted.model_dump()
+    if stored.answered_at is not None and all(getattr(stored, name) == said[name] for name in said):
+        # A telephone that heard no answer sends the same again: nothing new was said.
+        return _out(stored)
+    for name, value in said.items():
         setattr(stored, name, value)
+    stored.most_pain = max((one for one in (stored.most_pain, wanted.pain) if one is not None), default=None)
     stored.question, stored.answered_at, stored.answered_by = question, utc_now(), subject.id
     session.add(stored)
     session.flush()

@@ -6,6 +6,10 @@ from io import BytesIO
 from typing import Any
 
 import pytest
+from sqlalchemy import Engine
+
+from app.database.unit_of_work import read_only
+from app.recordings.models import SessionAnswers
 
 
 @pytest.fixture
@@ -59,3 +63,14 @@ def test_the_export_holds_what_was_said(sign_in: Any, world: Any, session_id: st
     with zipfile.ZipFile(BytesIO(answer.content)) as archive:
         (name,) = (name for name in archive.namelist() if name.endswith("/answers.json"))
         assert json.loads(archive.read(name))["pain"] == 4
+
+
+def test_the_most_pain_that_was_said_is_kept(engine: Engine, sign_in: Any, session_id: str) -> None:
+    """Saying it again does not take it back, and a telephone that sends the same again says nothing new."""
+    patient, path = sign_in("patient"), f"/api/sessions/{session_id}/answers"
+    first = patient.put(path, json={"pain": 7, "note": "It pulls."}).json()
+    assert patient.put(path, json={"pain": 7, "note": "It pulls."}).json() == first
+    assert patient.put(path, json={"pain": 1}).json()["answered_at"] > first["answered_at"]
+    with read_only(engine) as session:
+        stored = session.get_one(SessionAnswers, session_id)
+        assert (stored.pain, stored.most_pain) == (1, 7)
