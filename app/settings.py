@@ -83,7 +83,7 @@ class Settings(BaseSettings):
 
     demo: bool = Field(
         default=False,
-        description="Demonstration with invented patients: allows a known secret and plain http.",
+        description="Demonstration with invented patients: allows a known secret, on this machine's own address only.",
     )
     base_url: str = Field(
         default="http://127.0.0.1:8000",
@@ -305,8 +305,7 @@ class Settings(BaseSettings):
     @model_validator(mode="after")
     def _refuse_unsafe(self) -> Self:
         problems = self._problems_everywhere()
-        if not self.demo:
-            problems += self._problems_outside_demo()
+        problems += self._problems_of_demo() if self.demo else self._problems_outside_demo()
         if problems:
             raise ValueError("refusing to start: " + "; ".join(problems))
         return self
@@ -324,6 +323,14 @@ class Settings(BaseSettings):
             )
         return problems
 
+    def _problems_of_demo(self) -> list[str]:
+        if self.is_loopback:
+            return []
+        return [
+            "TELEMOTION_BASE_URL must name this machine, for instance http://127.0.0.1:8000, while TELEMOTION_DEMO is "
+            "on: everybody knows the passwords and the secret of a demonstration"
+        ]
+
     def _problems_outside_demo(self) -> list[str]:
         problems = []
         secret = self.secret_key.get_secret_value()
@@ -337,7 +344,7 @@ class Settings(BaseSettings):
         if not self.is_https and not self.is_loopback:
             problems.append(
                 "TELEMOTION_BASE_URL must begin with https://, because sign-in cookies and movement data "
-                "would travel in clear; only a demonstration or this machine's own address may use http"
+                "would travel in clear; only this machine's own address may use http"
             )
         return problems
 

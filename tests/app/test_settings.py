@@ -32,8 +32,6 @@ def test_every_setting_is_documented():
         ({"secret_key": "short"}, "TELEMOTION_SECRET_KEY"),
         ({"secret_key": "a" * 64}, "TELEMOTION_SECRET_KEY"),
         ({"secret_key": DEMO_SECRET}, "TELEMOTION_SECRET_KEY"),
-        ({"base_url": "http://clinic.example.org"}, "TELEMOTION_BASE_URL"),
-        ({"base_url": "http://192.168.1.4:8000"}, "TELEMOTION_BASE_URL"),
     ],
 )
 def test_unsafe_settings_start_in_a_demonstration_only(fields, names):
@@ -52,11 +50,21 @@ def test_unsafe_settings_start_in_a_demonstration_only(fields, names):
         ({"database_url": "rubbish"}, "TELEMOTION_DATABASE_URL"),
         ({"base_url": "https://clinic.example.org/app"}, "TELEMOTION_BASE_URL"),
         ({"base_url": "clinic.example.org"}, "TELEMOTION_BASE_URL"),
+        ({"base_url": "http://clinic.example.org"}, "TELEMOTION_BASE_URL"),
+        ({"base_url": "http://192.168.1.4:8000"}, "TELEMOTION_BASE_URL"),
     ],
 )
 def test_what_cannot_work_never_starts(fields, names, demo):
     with pytest.raises(ValidationError, match=names):
         make(demo=demo, **fields)
+
+
+@pytest.mark.parametrize("secret", ["", SECRET])
+def test_a_demonstration_is_open_on_this_machine_only(secret):
+    with pytest.raises(ValidationError, match=r"TELEMOTION_BASE_URL must name this machine.*TELEMOTION_DEMO"):
+        make(demo=True, secret_key=secret, base_url="https://clinic.example.org")
+    for address in ("https://localhost:8443", "http://127.0.0.1:8000", "http://[::1]:8000"):
+        assert make(demo=True, secret_key=secret, base_url=address).demo
 
 
 def test_safe_settings_start():
