@@ -2,6 +2,7 @@
 open.
 """
 
+import os
 from mimetypes import guess_type
 from pathlib import Path
 
@@ -59,7 +60,8 @@ def client_router(settings: Settings) -> APIRouter:
         if folder is None:
             return HTMLResponse(_NOT_BUILT, status_code=503)
         target = (folder / path).resolve()
-        if target.is_relative_to(folder) and target.is_file() and target.name != "index.html":
+        # `Path.is_file` raises where folder and address together are too long for the file system.
+        if target.is_relative_to(folder) and os.path.isfile(target) and target.name != "index.html":
             # Built files carry a hash of their content in their name; others (icons, the worker) may change.
             hashed = path.startswith("assets/")
             caching = "public, max-age=31536000, immutable" if hashed else "no-cache"

@@ -150,8 +150,14 @@ class BodyLimit:
         await self.app(scope, receive_counted, send)
 
 
+MOST_PART_BYTES: Final = 255
+MOST_PATH_BYTES: Final = 4096
+"""What file systems take as a name and as a path; no address of the service comes near."""
+
+
 class WholeAddresses:
-    """Refuses a NUL in an address, which no database identifier and no file name holds.
+    """Refuses a NUL in an address, which no database identifier and no file name holds, and addresses that are longer
+    than any file's.
 
     Parameters
     ----------
@@ -163,15 +169,21 @@ class WholeAddresses:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer 404 (path) or 422 (query)."""
-        if scope["type"] == "http" and "\0" in scope["path"]:
+        is_nowhere = scope["type"] in {"http", "websocket"} and _leads_nowhere(scope["path"])
+        if scope["type"] == "http" and is_nowhere:
             await answer(404, "not_found", say("edge.no_such_address"), {})(scope, receive, send)
         elif scope["type"] == "http" and b"%00" in scope["query_string"]:
             message = say("edge.query_nul")
             await answer(422, "invalid_input", message, {"fields": []})(scope, receive, send)
-        elif scope["type"] == "websocket" and ("\0" in scope["path"] or b"%00" in scope["query_string"]):
+        elif scope["type"] == "websocket" and (is_nowhere or b"%00" in scope["query_string"]):
             await send({"type": "websocket.close", "code": 4404, "reason": "not_found"})
         else:
             await self.app(scope, receive, send)
+
+
+def _leads_nowhere(path: str) -> bool:
+    name = path.encode(errors="surrogatepass")
+    return b"\0" in name or len(name) > MOST_PATH_BYTES or max(map(len, name.split(b"/"))) > MOST_PART_BYTES
 
 
 class UnexpectedErrors:

@@ -297,6 +297,18 @@ def test_broken_text_is_refused_in_words(nobody, therapist, world, broken):
     assert therapist.post("/api/sessions", content=body, headers=json_type).status_code == 422
 
 
+def test_an_address_longer_than_any_file_name_is_not_found(settings, cheap_passwords, client_files):
+    with open_client(settings, cheap_passwords, client_dir=client_files) as client:
+        for path in ("/" + "a" * 256, "/" + "ü" * 128, f"/assets/{'a' * 256}.js", "/" + "a/" * 2500):
+            answer = client.get(path)
+            assert (answer.status_code, answer.json()["code"]) == (404, "not_found"), path
+        assert client.get("/api/patients/" + "a" * 300).status_code == 404
+        longest = "/" + "a/" * 2040
+        assert client.get(longest).status_code == 200, (
+            "with the folder of the client it is longer than a path may be"
+        )
+
+
 def test_a_nul_in_an_address_is_not_found(nobody, therapist):
     for path in ("/%00", "/api/patients/%00", "/assets/%00.js", "/viewer/%00/"):
         answer = therapist.get(path)
