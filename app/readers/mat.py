@@ -37,10 +37,11 @@ def variables_of(path: Path) -> frozenset[str]:
     Raises
     ------
     RecordingFormatError
-        It cannot be read.
+        It cannot be read, or unpacks to too much: a name can be as long as a variable.
     """
     import scipy
 
+    check_mat(path)
     try:
         return frozenset(name for name, _, _ in scipy.io.whosmat(path))
     except Exception as error:

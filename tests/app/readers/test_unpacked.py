@@ -13,11 +13,12 @@ import scipy.io
 from app import readers
 from app.errors import RecordingFormatError
 from app.readers.unpacked import check_mat
+from tests.said import codes
 
 GIB = 1 << 30
 
 
-def bomb(path: Path, unpacked_bytes: int, *, stated_bytes: int | None = None) -> Path:
+def bomb(path: Path, unpacked_bytes: int, *, stated_bytes: int | None = None, mark: bytes = b"IM") -> Path:
     """A `.mat` file with one variable of zeros that is packed a thousand times smaller."""
     packer = zlib.compressobj(9)
     # 48 bytes: array flags, dimensions, the name `t`, and the tag of the numbers.
@@ -30,7 +31,7 @@ def bomb(path: Path, unpacked_bytes: int, *, stated_bytes: int | None = None) ->
     for _ in range(unpacked_bytes >> 20):
         data += packer.compress(zeros)
     data += packer.flush()
-    header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H2s", 0x0100, b"IM")
+    header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H2s", 0x0100, mark)
     path.write_bytes(header + struct.pack("<II", 15, len(data)) + data)
     return path
 
@@ -50,6 +51,28 @@ def test_a_mat_bomb_is_refused_with_both_sizes(tmp_path: Path, stated_bytes: int
     finally:
         tracemalloc.stop()
     assert found.value.details["limit_bytes"] == GIB
+
+
+@pytest.mark.parametrize("mark", [b"XX", b"im", b"II", b"MM", b"IX", b"\0\0", b"  "])
+def test_a_mat_file_of_no_known_byte_order_is_not_read(tmp_path: Path, mark: bytes) -> None:
+    path = bomb(tmp_path / "bomb.mat", 96 << 20, mark=mark)
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingFormatError) as found:
+            readers.read(path, "qmt_mat")
+        assert tracemalloc.get_traced_memory()[1] < 8 << 20
+    finally:
+        tracemalloc.stop()
+    assert codes(found.value.sentence) == ["mat.unreadable"]
+
+
+def test_a_mat_file_of_the_other_byte_order_is_measured(tmp_path: Path) -> None:
+    path = tmp_path / "sound.mat"
+    data = zlib.compress(bytes(20_000))
+    header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack(">H2s", 0x0100, b"MI")
+    path.write_bytes(header + struct.pack(">II", 15, len(data)) + data)
+    with pytest.raises(RecordingFormatError, match="unpacks to more than"):
+        check_mat(path, 10_000)
 
 
 def test_a_sound_compressed_mat_file_is_counted_rightly(tmp_path: Path) -> None:
