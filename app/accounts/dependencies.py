@@ -17,10 +17,10 @@ from starlette.websockets import WebSocket
 
 from app.accounts.credentials.sign_in import (
     COOKIE,
-    SEEN_AGAIN_AFTER,
     FoundSignIn,
     find_sign_in,
     first_to_do,
+    seen_again_after,
     touch,
 )
 from app.accounts.device_tokens import subject_of_device_token
@@ -103,13 +103,13 @@ def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
                 say("sign_in.csrf", header=CSRF_HEADER),
                 header=CSRF_HEADER,
             )
-    if found.needs_touch and _is_in_use(connection):
+    if found.needs_touch and _is_in_use(connection, services.settings):
         with unit_of_work(services.engine) as writer:
             touch(writer, found.id)
     return found
 
 
-def _is_in_use(connection: HTTPConnection) -> bool:
+def _is_in_use(connection: HTTPConnection, settings: Settings) -> bool:
     """Return whether a person is at the browser: a socket that stays open, or a page that asks by itself, is no sign.
 
     The client says with each request how long nobody has touched keyboard, mouse or screen; a program says nothing.
@@ -117,7 +117,7 @@ def _is_in_use(connection: HTTPConnection) -> bool:
     if connection.scope["type"] == "websocket":
         return False
     idle = connection.headers.get(IDLE_HEADER, "0")
-    return idle.isdigit() and len(idle) < 10 and int(idle) < SEEN_AGAIN_AFTER.total_seconds()
+    return idle.isdigit() and len(idle) < 10 and int(idle) < seen_again_after(settings).total_seconds()
 
 
 def shown_token(connection: HTTPConnection) -> tuple[str, str]:

@@ -113,6 +113,8 @@ class Ticket(Identified, Base):
     purpose: Mapped[str] = mapped_column(String(20))
     account_id: Mapped[str | None] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"))
     device_token_id: Mapped[str | None] = mapped_column(ForeignKey("device_token.id", ondelete="CASCADE"))
+    sign_in_id: Mapped[str | None] = mapped_column(String(32))
+    """The browser session that asked for it: the ticket and the socket it opens are worth nothing after that."""
     session_id: Mapped[str] = mapped_column(String(32))
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
     used_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

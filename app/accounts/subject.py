@@ -1,6 +1,6 @@
 """The acting subject: who asks. Every repository call that touches patient data takes one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 SubjectKind = Literal["account", "device", "system"]
@@ -26,6 +26,9 @@ class Subject:
         The role of the account, or `device` or `system`.
     patient_id : str or None
         The patient's own record, or the one patient a device is bound to.
+    sign_in_id : str or None
+        The browser session by which an account asks; what stays open ends with it. The same account by another one is
+        the same subject.
     """
 
     kind: SubjectKind
@@ -34,6 +37,7 @@ class Subject:
     clinic_id: str
     role: SubjectRole
     patient_id: str | None
+    sign_in_id: str | None = field(default=None, compare=False)
 
     @classmethod
     def system(cls, clinic_id: str) -> "Subject":

@@ -23,7 +23,7 @@ from app.live import repository
 from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.rights.patience import Patience
-from app.live.rights.questions import RightQuestion, ShownCookie, still_allowed
+from app.live.rights.questions import RightQuestion, still_allowed
 from app.live.side import LiveSide
 from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
@@ -63,18 +63,16 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
 
 async def _who(websocket: WebSocket, services: Services, session_id: str) -> RightQuestion:
     """Return the question that decides, now and again later, whether this client may watch."""
-    engine, cookie = services.engine, websocket.cookies.get(COOKIE)
-    has_token = bool(shown_token(websocket)[1])
-    if cookie or has_token:
+    engine = services.engine
+    if websocket.cookies.get(COOKIE) or shown_token(websocket)[1]:
         subject = await websocket_subject(websocket)
     else:
         subject = await _subject_of_ticket(websocket, services, session_id)
     stored = await asyncio.to_thread(
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
-    # A socket's Origin, which `current_subject` looks at too, stays what it was. Who shows a token is no browser.
-    shown = ShownCookie(cookie, services.settings) if cookie and not has_token else None
-    return RightQuestion(subject, stored.id, "read", shown)
+    # A socket's Origin, which `current_subject` looks at too, stays what it was.
+    return RightQuestion(subject, stored.id, "read", services.settings)
 
 
 async def _subject_of_ticket(websocket: WebSocket, services: Services, session_id: str) -> Subject:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any, Literal
 
-from sqlalchemy import Row, delete, select, update
+from sqlalchemy import Row, bindparam, delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tickets import account_subject
@@ -19,8 +19,7 @@ from app.sentences import say
 from app.settings import Settings
 
 COOKIE = "telemotion_session"
-SEEN_AGAIN_AFTER = timedelta(seconds=60)
-"""`last_seen_at` is written at most this often, so reading stays cheap."""
+_SEEN_AGAIN_AFTER = timedelta(seconds=60)
 _PLEASE = say("sign_in.required")
 
 
@@ -37,6 +36,17 @@ class FoundSignIn:
     needs_touch: bool
     must: Must | None = None
     """What has to be done before anything else."""
+
+
+def seen_again_after(settings: Settings) -> timedelta:
+    """Return how often `last_seen_at` is written at most, so reading stays cheap.
+
+    Parameters
+    ----------
+    settings : Settings
+        A browser session in use must not end between two writes: a quarter of the time after which an idle one ends.
+    """
+    return min(_SEEN_AGAIN_AFTER, timedelta(minutes=settings.sign_in_idle_minutes) / 4)
 
 
 def normalise_email(email: str) -> str:
@@ -116,63 +126,74 @@ def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignI
     SignInRequired
         Unknown, too old, idle too long, or the account is no longer active.
     """
-    found = find_sign_ins(session, settings, {token})[token]
-    if isinstance(found, SignInRequired):
-        raise found
-    return found
+    row = session.execute(_BY_TOKEN, {"token_hash": hash_token(token)}).one_or_none()
+    return in_use(settings, row)
 
 
-def find_sign_ins(
-    session: Session, settings: Settings, tokens: Collection[str]
-) -> dict[str, FoundSignIn | SignInRequired]:
-    """Return the browser session behind each of some cookies, or what `find_sign_in` raises; in one statement.
+_SIGN_INS = (
+    select(
+        SignIn.id.label("sign_in_id"),
+        SignIn.csrf_token,
+        SignIn.last_seen_at,
+        SignIn.expires_at,
+        Account.id,
+        Account.clinic_id,
+        Account.role,
+        Account.patient_id,
+        Account.must_change_password,
+        Account.totp_since,
+    )
+    .join(Account, Account.id == SignIn.account_id)
+    .where(Account.is_active)
+)
+_BY_TOKEN = _SIGN_INS.where(SignIn.token_hash == bindparam("token_hash"))
+_BY_ID = _SIGN_INS.where(SignIn.id.in_(bindparam("ids", expanding=True)))
+
+
+def sign_ins_of(session: Session, ids: Collection[str]) -> dict[str, Row[*tuple[Any, ...]]]:
+    """Return what is stored of browser sessions that nobody has ended, in one statement, for `in_use`.
 
     Parameters
     ----------
     session : Session
-    settings : Settings
-    tokens : collection of str
-        Values of cookies.
+    ids : collection of str
+        Their identifiers.
+    """
+    if not ids:
+        return {}
+    return {row.sign_in_id: row for row in session.execute(_BY_ID, {"ids": list(ids)})}
+
+
+def in_use(settings: Settings | None, row: Row[*tuple[Any, ...]] | None) -> FoundSignIn:
+    """Return a browser session that has not ended.
+
+    Parameters
+    ----------
+    settings : Settings or None
+        None where it need not be in use: it stands until somebody signs out, the password changes, or it is too old.
+    row : Row or None
+        As stored; None for one that is not.
+
+    Raises
+    ------
+    SignInRequired
+        Ended, too old, or idle too long.
     """
     now = utc_now()
-    hashes = {hash_token(token): token for token in tokens}
-    rows = session.execute(
-        select(
-            SignIn.id.label("sign_in_id"),
-            SignIn.token_hash,
-            SignIn.csrf_token,
-            SignIn.last_seen_at,
-            Account.id,
-            Account.clinic_id,
-            Account.role,
-            Account.patient_id,
-            Account.must_change_password,
-            Account.totp_since,
-        )
-        .join(Account, Account.id == SignIn.account_id)
-        .where(
-            SignIn.token_hash.in_(hashes),
-            SignIn.expires_at > now,
-            SignIn.last_seen_at > now - timedelta(minutes=settings.sign_in_idle_minutes),
-            Account.is_active,
-        )
+    if row is None or row.expires_at <= now:
+        raise SignInRequired(_PLEASE)
+    subject = account_subject(row, row.sign_in_id)
+    if settings is None:
+        return FoundSignIn(row.sign_in_id, subject, row.csrf_token, needs_touch=False)
+    if now - row.last_seen_at >= timedelta(minutes=settings.sign_in_idle_minutes):
+        raise SignInRequired(_PLEASE)
+    return FoundSignIn(
+        id=row.sign_in_id,
+        subject=subject,
+        csrf_token=row.csrf_token,
+        needs_touch=now - row.last_seen_at > seen_again_after(settings),
+        must=must_first(settings, row),
     )
-    found: dict[str, FoundSignIn | SignInRequired] = {token: SignInRequired(_PLEASE) for token in tokens}
-    for row in rows:
-        token = hashes[row.token_hash]
-        try:
-            subject = account_subject(row)
-        except SignInRequired as error:
-            found[token] = error
-            continue
-        found[token] = FoundSignIn(
-            id=row.sign_in_id,
-            subject=subject,
-            csrf_token=row.csrf_token,
-            needs_touch=now - row.last_seen_at > SEEN_AGAIN_AFTER,
-            must=must_first(settings, row),
-        )
-    return found
 
 
 def first_to_do(found: FoundSignIn) -> NotAllowed | None:

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tokens import hash_token, new_token
 from app.accounts.device_tokens import device_subject, is_valid
-from app.accounts.models import Account, DeviceToken, Ticket
+from app.accounts.models import Account, DeviceToken, SignIn, Ticket
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import SignInRequired
@@ -59,6 +59,7 @@ def issue_ticket(session: Session, subject: Subject, purpose: Purpose, session_i
         purpose=purpose,
         account_id=subject.account_id,
         device_token_id=subject.id if subject.kind == "device" else None,
+        sign_in_id=subject.sign_in_id,
         session_id=session_id,
         expires_at=now + LIFE,
         used_at=None,
@@ -85,7 +86,8 @@ def redeem_ticket(session: Session, token: str, purpose: Purpose, session_id: st
     Raises
     ------
     SignInRequired
-        Unknown, used, too old, for another purpose or session, or the account or device has lost its right.
+        Unknown, used, too old, for another purpose or session, or the account or device has lost its right, or the
+        browser session that asked for it has ended.
     """
     now = utc_now()
     # One statement decides who was first, on every database.
@@ -133,18 +135,21 @@ def _subject(session: Session, row: Ticket) -> Subject:
             return device_subject(device)
     elif row.account_id is not None:
         account = session.get(Account, row.account_id)
-        if account is not None and account.is_active:
-            return account_subject(account)
+        stands = row.sign_in_id is None or session.get(SignIn, row.sign_in_id) is not None
+        if account is not None and account.is_active and stands:
+            return account_subject(account, row.sign_in_id)
     raise SignInRequired(_REFUSED)
 
 
-def account_subject(account: Account | Row[*tuple[Any, ...]]) -> Subject:
+def account_subject(account: Account | Row[*tuple[Any, ...]], sign_in_id: str | None = None) -> Subject:
     """Return the subject of an account.
 
     Parameters
     ----------
     account : Account or Row
         The row has `id`, `clinic_id`, `role` and `patient_id`.
+    sign_in_id : str, optional
+        The browser session by which it asks.
 
     Raises
     ------
@@ -154,4 +159,12 @@ def account_subject(account: Account | Row[*tuple[Any, ...]]) -> Subject:
     role: str = account.role
     if role not in {"administrator", "therapist", "patient", "integrator"}:
         raise SignInRequired(say("sign_in.no_role"))
-    return Subject("account", account.id, account.id, account.clinic_id, role, account.patient_id)  # type: ignore[arg-type]
+    return Subject(
+        "account",
+        account.id,
+        account.id,
+        account.clinic_id,
+        role,  # type: ignore[arg-type]
+        account.patient_id,
+        sign_in_id,
+    )

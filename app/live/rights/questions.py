@@ -4,16 +4,16 @@ Every rule stands where it always stood (`app.patients.access`, `app.accounts`);
 together, so that a socket costs its share of seven statements at most.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any
 
-from sqlalchemy import Engine, select
+from sqlalchemy import Engine, Row, select
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.orm import Session
 
-from app.accounts.credentials.sign_in import FoundSignIn, find_sign_ins, first_to_do
+from app.accounts.credentials.sign_in import first_to_do, in_use, sign_ins_of
 from app.accounts.device_tokens import is_valid
 from app.accounts.models import Account, DeviceToken
 from app.accounts.subject import Subject
@@ -26,13 +26,6 @@ from app.sentences import say
 from app.settings import Settings
 
 
-class ShownCookie(NamedTuple):
-    """What a browser showed when it opened a socket, and how long browser sessions last in this service."""
-
-    value: str
-    settings: Settings
-
-
 @dataclass(frozen=True)
 class RightQuestion:
     """Whether an open socket may stay open.
@@ -40,19 +33,20 @@ class RightQuestion:
     Attributes
     ----------
     subject : Subject
-        Who opened it.
+        Who opened it. An account's socket ends with the browser session that opened it or asked for its ticket.
     session_id : str
         Of which session.
     level : {"status", "read", "record", "treat", "manage", "erase"}
         What it does with it.
-    cookie : ShownCookie or None
-        Of a browser: the socket ends with its browser session.
+    settings : Settings or None
+        Of a socket that shows something: its browser session must be in use, and nothing else must be done first. None
+        for one that takes movement: who exercises touches no screen.
     """
 
     subject: Subject
     session_id: str
     level: Level
-    cookie: ShownCookie | None = None
+    settings: Settings | None = None
 
 
 def still_allowed(engine: Engine, question: RightQuestion) -> None:
@@ -91,10 +85,8 @@ def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[Telemoti
     and consents.
     """
     with read_only(engine) as session:
-        cookies = [one.cookie for one in questions if one.cookie is not None]
-        # All were shown to the same service.
-        sign_ins = (
-            find_sign_ins(session, cookies[0].settings, {one.value for one in cookies}) if cookies else {}
+        sign_ins = sign_ins_of(
+            session, {one.subject.sign_in_id for one in questions if one.subject.sign_in_id}
         )
         devices = _valid_devices(
             session, {one.subject.id for one in questions if one.subject.kind == "device"}
@@ -109,7 +101,7 @@ def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[Telemoti
         refused: list[TelemotionError | None] = []
         left: dict[int, Asked] = {}
         for number, one in enumerate(questions):
-            refusal = None if one.cookie is None else _ended(sign_ins[one.cookie.value])
+            refusal = _ended(one, sign_ins)
             if refusal is None:
                 refusal = _is_nobody(one.subject, devices, accounts)
             if refusal is None and one.session_id not in patients:
@@ -140,8 +132,13 @@ def answers_apart(engine: Engine, questions: Sequence[RightQuestion]) -> list[Ex
         return [answer for one in questions for answer in answers_apart(engine, [one])]
 
 
-def _ended(sign_in: FoundSignIn | SignInRequired) -> TelemotionError | None:
-    return sign_in if isinstance(sign_in, SignInRequired) else first_to_do(sign_in)
+def _ended(question: RightQuestion, sign_ins: Mapping[str, Row[*tuple[Any, ...]]]) -> TelemotionError | None:
+    if question.subject.sign_in_id is None:
+        return None
+    try:
+        return first_to_do(in_use(question.settings, sign_ins.get(question.subject.sign_in_id)))
+    except SignInRequired as error:
+        return error
 
 
 def _is_nobody(
@@ -169,4 +166,4 @@ def _active(session: Session, ids: set[str]) -> set[str]:
     return set(session.scalars(select(Account.id).where(Account.id.in_(ids), Account.is_active)))
 
 
-__all__ = ["RightQuestion", "ShownCookie", "answers", "answers_apart", "still_allowed"]
+__all__ = ["RightQuestion", "answers", "answers_apart", "still_allowed"]

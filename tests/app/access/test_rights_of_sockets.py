@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import timedelta
 from itertools import product
 from typing import Any
@@ -19,7 +20,7 @@ from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import TelemotionError
 from app.live.rights import questions as module
-from app.live.rights.questions import RightQuestion, ShownCookie, answers, answers_apart, still_allowed
+from app.live.rights.questions import RightQuestion, answers, answers_apart, still_allowed
 from app.patients.access import Level
 from app.patients.models import Grant, Patient
 from app.recordings.models import MotionSession
@@ -161,7 +162,7 @@ def check_table(engine: Engine, world: World, sessions: Any, subjects: Any, stat
     asked = [RightQuestion(subjects[name], sessions["ada"], level) for name, level in cases]
     with counted(engine) as statements:
         answers(engine, asked)
-    assert len(statements) <= STATEMENTS - 1, "nobody has shown a cookie"
+    assert len(statements) <= STATEMENTS - 1, "nobody is asked for by a browser session"
     assert [word(one) for one in all_of(engine, asked)] == [
         expected(name, level, state) for name, level in cases
     ]
@@ -215,15 +216,15 @@ def revoke(name: str) -> Callable[[Any, World], None]:
 
 
 @pytest.mark.parametrize(
-    ("what", "by_cookie", "by_ticket", "device"),
+    ("what", "shown", "taken", "device"),
     [
         ("nothing", None, None, None),
-        ("account off", "sign_in.required", "live.account_inactive", None),
-        ("signed out", "sign_in.required", None, None),
-        ("sign-in too old", "sign_in.required", None, None),
+        ("account off", "sign_in.required", "sign_in.required", None),
+        ("signed out", "sign_in.required", "sign_in.required", None),
+        ("sign-in too old", "sign_in.required", "sign_in.required", None),
         ("idle", "sign_in.required", None, None),
         ("new password", "sign_in.change_password_first", None, None),
-        ("no role", "sign_in.no_role", None, None),
+        ("no role", "sign_in.no_role", "sign_in.no_role", None),
         ("grant revoked", NONE, NONE, None),
         ("grant expired", NONE, NONE, None),
         ("device revoked", None, None, "live.token_expired"),
@@ -238,16 +239,18 @@ def test_whatever_is_taken_away_ends_the_sockets_it_concerns_and_no_others(
     subjects: Any,
     settings: Settings,
     what: str,
-    by_cookie: str | None,
-    by_ticket: str | None,
+    shown: str | None,
+    taken: str | None,
     device: str | None,
 ) -> None:
+    """A socket that shows something must be in use; one that takes movement ends with the sign-out all the same."""
     with unit_of_work(engine) as session:
-        cookie, _ = create_sign_in(session, settings, world.accounts["therapist"], "tests")
-    therapist, ada = subjects["therapist"], sessions["ada"]
+        _, row = create_sign_in(session, settings, world.accounts["therapist"], "tests")
+        therapist = replace(subjects["therapist"], sign_in_id=row.id)
+    ada = sessions["ada"]
     asked = [
-        RightQuestion(therapist, ada, "read", ShownCookie(cookie, settings)),
-        RightQuestion(therapist, ada, "read"),
+        RightQuestion(therapist, ada, "read", settings),
+        RightQuestion(therapist, ada, "record"),
         RightQuestion(subjects["device"], ada, "record"),
         RightQuestion(subjects["foreign_therapist"], sessions["carl"], "read"),
     ]
@@ -258,7 +261,7 @@ def test_whatever_is_taken_away_ends_the_sockets_it_concerns_and_no_others(
         answers(engine, asked)
     assert len(statements) <= STATEMENTS
     rest = "session.not_found" if what == "session erased" else None
-    assert [word(one) for one in all_of(engine, asked)] == [by_cookie, by_ticket, device, rest]
+    assert [word(one) for one in all_of(engine, asked)] == [shown, taken, device, rest]
 
 
 def test_many_sockets_cost_no_more_statements_than_one_of_each_kind(

@@ -5,6 +5,7 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import select, update
 
+from app.accounts.credentials.sign_in import create_sign_in, find_sign_in
 from app.accounts.credentials.tokens import hash_token
 from app.accounts.models import Account, AuditEvent, SignIn
 from app.database.base import utc_now
@@ -87,6 +88,19 @@ def test_use_keeps_a_session_alive(therapist, engine):
     assert therapist.get("/api/me").status_code == 200
     with read_only(engine) as session:
         assert utc_now() - session.scalars(select(SignIn.last_seen_at)).one() < timedelta(minutes=1)
+
+
+@pytest.mark.parametrize(("minutes", "noted_after_s"), [(1, 16), (2, 31), (60, 61)])
+def test_use_is_noted_long_before_a_short_limit_ends_the_session(
+    engine, settings, world, minutes, noted_after_s
+):
+    short = settings.model_copy(update={"sign_in_idle_minutes": minutes})
+    with unit_of_work(engine) as session:
+        token, row = create_sign_in(session, short, world.accounts["therapist"], "tests")
+        for seconds, is_noted in ((noted_after_s - 3, False), (noted_after_s, True)):
+            row.last_seen_at = utc_now() - timedelta(seconds=seconds)
+            session.flush()
+            assert find_sign_in(session, short, token).needs_touch == is_noted
 
 
 def test_an_account_that_is_switched_off_is_out_at_once(therapist, engine, world):

@@ -1,13 +1,15 @@
 """Tickets: one use, thirty seconds, one purpose, one session."""
 
 import threading
+from dataclasses import replace
 from datetime import timedelta
 
 import pytest
-from sqlalchemy import select, update
+from sqlalchemy import delete, select, update
 
+from app.accounts.credentials.sign_in import create_sign_in
 from app.accounts.credentials.tickets import is_open, issue_ticket, redeem_ticket
-from app.accounts.models import Account, DeviceToken, Ticket
+from app.accounts.models import Account, DeviceToken, SignIn, Ticket
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
@@ -110,3 +112,17 @@ def test_who_lost_the_right_meanwhile_stays_out(engine, issue, world, device_tok
     for token, purpose in [(account_ticket, "live"), (device_ticket, "ingest")]:
         with pytest.raises(SignInRequired):
             redeem(engine, token, purpose)
+
+
+def test_a_ticket_is_worth_nothing_after_the_browser_session_that_asked_for_it(
+    engine, issue, world, settings
+):
+    with unit_of_work(engine) as session:
+        _, row = create_sign_in(session, settings, world.accounts["patient"], "tests")
+    patient = replace(world.subjects["patient"], sign_in_id=row.id)
+    assert redeem(engine, issue(patient)).subject.sign_in_id == row.id
+    late = issue(patient)
+    with unit_of_work(engine) as session:
+        session.execute(delete(SignIn))
+    with pytest.raises(SignInRequired):
+        redeem(engine, late)

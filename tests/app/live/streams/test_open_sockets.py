@@ -1,6 +1,8 @@
 """What becomes of a socket that is open: it ends with the browser session, and a slow check holds up nothing."""
 
 import asyncio
+import json
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -11,6 +13,7 @@ from app.live.side import CHECK_AT_LEAST_EVERY_S, CHECK_EVERY_S
 from app.services import Services
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
+from ...conftest import PASSWORD
 from .test_live_failures import hello, new_session, receive_until
 
 
@@ -36,6 +39,46 @@ def test_a_view_that_the_cookie_opened_ends_with_the_browser_session(
         assert therapist.post("/api/sign-out").status_code == 204
         told = receive_until(page, lambda message: message["type"] == "error")
         assert (told["code"], told["closing"]) == ("sign_in_required", True)
+
+
+def end_by_sign_out(browser: Any, other: Any) -> None:
+    assert browser.post("/api/sign-out").status_code == 204
+
+
+def end_by_a_new_password(browser: Any, other: Any) -> None:
+    body = {"old_password": PASSWORD, "new_password": "quite another one, 77"}
+    assert other.post("/api/me/password", json=body).status_code == 204
+
+
+@pytest.mark.parametrize("end", [end_by_sign_out, end_by_a_new_password])
+@pytest.mark.parametrize("what", ["view", "gateway"])
+def test_what_a_ticket_opened_ends_with_the_browser_session_that_asked_for_it(
+    what: str,
+    end: Callable[[Any, Any], None],
+    sign_in: Callable[[str], Any],
+    nobody: Any,
+    world: Any,
+    stream: DeviceStream,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", 0.1)
+    stolen, own = sign_in("therapist"), sign_in("therapist")
+    session_id = new_session(own, world.patient_id, stream)
+    for browser, ends in ((own, False), (stolen, True)):
+        if what == "view":
+            ticket = browser.post(f"/api/sessions/{session_id}/ticket", json={"purpose": "live"}).json()[
+                "ticket"
+            ]
+            address, first = f"/ws/live/{session_id}", json.dumps({"ticket": ticket})
+        else:
+            address, first = "/ws/ingest", hello(browser, session_id, stream)
+        with nobody.websocket_connect(address) as socket:
+            socket.send_text(first)
+            receive_until(socket, lambda message: message["type"] in {"state", "acknowledge"})
+            if ends:
+                end(browser, own)
+                told = receive_until(socket, lambda message: message["type"] == "error")
+                assert (told["code"], told["closing"]) == ("sign_in_required", True)
 
 
 def test_a_check_that_takes_its_time_holds_up_no_acknowledgement(

@@ -11,6 +11,9 @@ const LOOK_EVERY_MS = 5000;
 const WARN_S = 120;
 const REPORT_EVERY_S = 60;
 
+/** The service notes use at a quarter of the limit. */
+const reportEveryS = (minutes: number) => Math.min(REPORT_EVERY_S, minutes * 15);
+
 export function IdleWatch({ minutes }: { minutes: number }) {
   const client = useQueryClient();
   const navigate = useNavigate();
@@ -26,7 +29,7 @@ export function IdleWatch({ minutes }: { minutes: number }) {
         void api.post('/api/sign-out').catch(() => undefined);
         forgetEverything(client);
         void navigate('/sign-in?ended=idle', { replace: true });
-      } else if (idleS < REPORT_EVERY_S && Date.now() - reportedAt > REPORT_EVERY_S * 1000) {
+      } else if (idleS < reportEveryS(minutes) && Date.now() - reportedAt > reportEveryS(minutes) * 1000) {
         // Watching asks for nothing over HTTP: without this, a page in use would end like one that is not.
         reportedAt = Date.now();
         void api.get('/api/me').catch(() => undefined);
