@@ -21,6 +21,7 @@ from estimators.guidance._mirror import mirror_cue_rule, mirror_stop_rule
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import prepare_template, signals, steers
+from estimators.guidance._wording import fitting_sentence
 
 __all__ = [
     "DEFAULT_STOPS",
@@ -39,6 +40,7 @@ __all__ = [
     "StopRule",
     "Stopped",
     "default_rules",
+    "fitting_sentence",
     "mirror_cue_rule",
     "mirror_stop_rule",
     "prepare_template",

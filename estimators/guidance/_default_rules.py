@@ -14,8 +14,11 @@ SENTENCES: Final[dict[str, Sentence]] = {
     one.code: one
     for one in (
         say("guidance.arm_to_side"),
+        say("guidance.arm_not_across"),
         say("guidance.arm_in_front"),
+        say("guidance.arm_not_back"),
         say("guidance.sit_tall"),
+        say("guidance.stand_tall"),
         say("guidance.shoulder_down"),
         say("guidance.further"),
         say("guidance.slower"),
@@ -23,7 +26,8 @@ SENTENCES: Final[dict[str, Sentence]] = {
         say("guidance.well_done"),
     )
 }
-"""What cues say, by code. Rules may have other codes: the therapist's own words."""
+"""What cues say, by code; `fitting_sentence` takes the one that fits an exercise. Rules may have other codes: the
+therapist's own words."""
 PRAISE: Final = "guidance.well_done"
 
 
@@ -61,7 +65,9 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
     plane = f"thorax_humerus_{ready.side}_yxy_plane_of_elevation"
     elevation = f"thorax_humerus_{ready.side}_yxy_elevation"
     rules: list[CueRule] = []
-    if plane in ready.channels and elevation in ready.channels:
+    is_leg = bool(lower_segment(ready.main))
+    # How the arms are held says nothing of an exercise of the leg.
+    if not is_leg and plane in ready.channels and elevation in ready.channels:
         planes: tuple[tuple[CueSide, str], ...] = (
             ("above", "guidance.arm_to_side"),
             ("below", "guidance.arm_in_front"),
@@ -79,14 +85,14 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
             for side, sentence in planes
         ]
     # An arm is helped by a trunk that leans forward, a leg by one that leans back as well.
-    leaning: CueSide = "both" if lower_segment(ready.main) else "above"
+    leaning: CueSide = "both" if is_leg else "above"
     compensation: tuple[tuple[str, float, str, CueSide], ...] = (
         ("trunk_lean_forward_rad", np.radians(8.0), "guidance.sit_tall", leaning),
         ("trunk_lean_lateral_rad", np.radians(7.0), "guidance.sit_tall", "both"),
         (f"shoulder_hike_{ready.side}_m", 0.025, "guidance.shoulder_down", "above"),
     )
     for priority, (channel, tolerance, sentence, side) in enumerate(compensation, start=2):
-        if channel in ready.channels:
+        if channel in ready.channels and not (is_leg and channel.startswith("shoulder_hike")):
             rules.append(
                 CueRule(
                     "deviation", sentence, channel, side=side, tolerance=float(tolerance), priority=priority

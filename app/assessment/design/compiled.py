@@ -20,7 +20,7 @@ from app.exercises.design import (
     ToleranceDesign,
     WeightDesign,
 )
-from app.exercises.models import Prescription, TemplateVersion
+from app.exercises.models import Posture, Prescription, TemplateVersion
 from app.recordings.models import MotionSession
 from app.sentences import say
 from estimators.comparison import (
@@ -41,6 +41,7 @@ from estimators.guidance import (
     CueRule,
     GuidanceTemplate,
     StopRule,
+    fitting_sentence,
     mirror_cue_rule,
     mirror_stop_rule,
     prepare_template,
@@ -104,6 +105,7 @@ def guidance_of(
     *,
     scale: float = 1.0,
     more_stops: Sequence[StopDesign] = (),
+    posture: Posture = "standing",
 ) -> Guidance:
     """Return everything that live guidance needs of a version.
 
@@ -118,6 +120,8 @@ def guidance_of(
         Of the prescription, as for `drawn_template`.
     more_stops : sequence of StopDesign
         Of the prescription, named for the patient's side; they come before those of the template.
+    posture : {"standing", "seated"}
+        Of the exercise: what is said fits it, whatever was stored.
 
     Raises
     ------
@@ -136,7 +140,12 @@ def guidance_of(
         template=template,
         ready=ready,
         rules=tuple(
-            replace(rule, is_on=False) if rule.channel in template.watched else rule for rule in rules
+            replace(
+                rule,
+                is_on=rule.is_on and rule.channel not in template.watched,
+                sentence=fitting_sentence(rule.sentence, posture, template.channels, template.mean),
+            )
+            for rule in rules
         ),
         stops=(*(stop_rule(one) for one in more_stops), *stops),
         pace=CuePace(**design.pace.model_dump()),

@@ -71,6 +71,7 @@ def prescribed_guidance(session: Session, session_id: str, default_zone: str) ->
         setup.body.upper_arm_m + setup.body.forearm_m,
         scale=prescription.tolerance_scale,
         more_stops=[StopDesign.model_validate(one) for one in prescription.stops],
+        posture=session.get_one(Exercise, prescription.exercise_id).posture,
     )
     dose = dose_of(prescription.repetitions, prescription.sets, guidance.stops)
     zone = zone_of(session, found.clinic_id, default_zone)

@@ -6,6 +6,7 @@ from typing import Final
 
 from app.errors import InvalidInput
 from app.exercises.design import CueDesign, StopDesign, TemplateDesign
+from app.exercises.models import Posture
 from app.sentences import say
 from estimators.comparison import Template, is_of_stride
 from estimators.conventions import Side
@@ -17,6 +18,7 @@ from estimators.guidance import (
     GuidanceTemplate,
     StopRule,
     default_rules,
+    fitting_sentence,
     prepare_template,
 )
 
@@ -44,8 +46,19 @@ def stop_rules(stops: Sequence[StopDesign] | None) -> tuple[StopRule, ...]:
     return (*own, *(rule for rule in ALWAYS if rule.kind not in {one.kind for one in own}))
 
 
-def whole_design(design: TemplateDesign, template: Template) -> TemplateDesign:
-    """Return a design with the rules of the house written out, for whoever edits them."""
+def whole_design(design: TemplateDesign, template: Template, posture: Posture = "standing") -> TemplateDesign:
+    """Return a design with the rules of the house written out and their words fitting, for whoever edits them."""
+    whole = _written_out(design, template)
+    cues = [
+        one.model_copy(
+            update={"sentence": fitting_sentence(one.sentence, posture, template.channels, template.mean)}
+        )
+        for one in whole.cues or ()
+    ]
+    return whole.model_copy(update={"cues": cues})
+
+
+def _written_out(design: TemplateDesign, template: Template) -> TemplateDesign:
     if is_of_stride(template.primary_channel):
         # Nobody follows a stride live: there is nothing to stop and nothing to say.
         return design.model_copy(update={"stops": [], "cues": []})

@@ -13,8 +13,8 @@ from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
 from app.assessment.sources import Source, load_source
 from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.models import Template as TemplateRow
-from app.exercises.models import TemplateVersion
 from app.exercises.schemas import TemplateContent, TemplateOut, TemplateVersionDetail, TemplateVersionOut
 from app.pages import Page
 from app.recordings import repository as recordings
@@ -143,6 +143,7 @@ def version_detail(
 ) -> TemplateVersionDetail:
     """Return a version with curves that are at hand."""
     recorded = template_from_bytes(version.content)
+    posture = session.get_one(Exercise, template.exercise_id).posture
     return TemplateVersionDetail(
         **version_out(version, repository.names_of_makers(session, [version])).model_dump(),
         template_id=template.id,
@@ -153,7 +154,7 @@ def version_detail(
         primary_channel=recorded.primary_channel,
         is_guided=not is_of_stride(recorded.primary_channel),
         reach_m=recorded.reach_m,
-        design=whole_design(design_of(version), recorded),
+        design=whole_design(design_of(version), recorded, posture),
         content=content,
     )
 

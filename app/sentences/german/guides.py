@@ -4,12 +4,15 @@ from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guidance.arm_in_front": "Den Arm vorn lassen.",
+    "guidance.arm_not_across": "Nicht so weit vor den Körper.",
+    "guidance.arm_not_back": "Nicht so weit nach hinten.",
     "guidance.arm_to_side": "Den Arm seitlich lassen.",
     "guidance.further": "Ein bisschen weiter.",
     "guidance.quicker": "Etwas schneller.",
     "guidance.shoulder_down": "Die Schulter unten lassen.",
     "guidance.sit_tall": "Aufrecht sitzen.",
     "guidance.slower": "Langsamer.",
+    "guidance.stand_tall": "Aufrecht stehen.",
     "guidance.well_done": "Gut gemacht.",
     "guide_functional.elbow_flexion": "Bei hängendem Oberarm den Ellbogen dreimal ganz beugen und wieder"
     " strecken.",

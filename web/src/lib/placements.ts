@@ -34,6 +34,17 @@ export function legPlacements(side: 'left' | 'right'): Placement[] {
   return [`thigh_${side}`, `shank_${side}`, `foot_${side}`];
 }
 
+export type Limb = 'right_arm' | 'left_arm' | 'right_leg' | 'left_leg';
+
+/** The limbs that carry sensors: the only ones that a picture colours. */
+export function wornLimbs(placements: readonly string[]): Limb[] {
+  const carries = (some: readonly Placement[]) => some.some((one) => placements.includes(one));
+  return (['right', 'left'] as const).flatMap((side): Limb[] => [
+    ...(carries(armPlacements(side)) ? [`${side}_arm` as const] : []),
+    ...(carries(legPlacements(side)) ? [`${side}_leg` as const] : []),
+  ]);
+}
+
 /** Sensors on the legs: hips, knees and ankles; with both thighs and the trunk the centre of mass. */
 export const LEG_PLACEMENTS: Placement[] = [...legPlacements('left'), ...legPlacements('right')];
 

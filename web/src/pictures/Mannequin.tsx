@@ -1,5 +1,6 @@
 // A drawn person for instructions: seen from the front or from the side, standing or seated, arms as asked for.
 import type { ReactNode } from 'react';
+import type { Limb } from '../lib/placements';
 
 type Point = readonly [number, number];
 
@@ -151,7 +152,6 @@ function LegShape({
   );
 }
 
-export type Limb = 'right_arm' | 'left_arm' | 'right_leg' | 'left_leg';
 const ARMS: readonly Limb[] = ['right_arm', 'left_arm'];
 
 /**

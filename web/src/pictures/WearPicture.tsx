@@ -1,7 +1,7 @@
 // A person from the front with a sensor on each place that this exercise needs.
 import type { Placement } from '../api/types';
-import { armPlacements, legPlacements } from '../lib/placements';
-import { FrontFigure, type Limb } from './Mannequin';
+import { wornLimbs } from '../lib/placements';
+import { FrontFigure } from './Mannequin';
 
 /** Places on the drawing, the person's own left on the right-hand side; where the box is, and how it is turned. */
 const PLACES: Partial<Record<Placement, readonly [x: number, y: number]>> = {
@@ -27,22 +27,13 @@ const PLACES: Partial<Record<Placement, readonly [x: number, y: number]>> = {
 /** Below this nothing of the legs is needed. */
 const HIPS = 210;
 
-/** The limbs that carry sensors. */
-function worn(placements: readonly Placement[]): Limb[] {
-  const carries = (some: readonly Placement[]) => some.some((one) => placements.includes(one));
-  return (['right', 'left'] as const).flatMap((side): Limb[] => [
-    ...(carries(armPlacements(side)) ? [`${side}_arm` as const] : []),
-    ...(carries(legPlacements(side)) ? [`${side}_leg` as const] : []),
-  ]);
-}
-
 /** The numbers of the list beside it, drawn where each sensor sits; as large as they can be. */
 export function WearPicture({ placements, label }: { placements: readonly Placement[]; label: string }) {
   const isWhole = placements.some((place) => (PLACES[place]?.[1] ?? 0) > HIPS - 10);
   const view = isWhole ? '60 0 120 306' : `60 6 120 ${HIPS}`;
   return (
     <div className="wear-picture" role="img" aria-label={label}>
-      <FrontFigure arm={[5, 4]} view={view} stressed={worn(placements)} />
+      <FrontFigure arm={[5, 4]} view={view} stressed={wornLimbs(placements)} />
       <svg viewBox={view} aria-hidden>
         {placements.map((place, index) => {
           const at = PLACES[place];

@@ -8,7 +8,10 @@ import { api } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t, withinSentence } from '../i18n';
+import { useExercises } from '../api/queries';
 import { placementLabel } from '../lib/channels';
+import { exerciseOf } from '../lib/exercises';
+import { forPosture } from '../lib/posture';
 import { PlainProblem } from '../pages/mine/PlainProblem';
 import { Phone } from './phone';
 import { isMeasuring } from './registry';
@@ -99,6 +102,7 @@ function WithPhone({
 }) {
   const me = useSignedIn();
   const navigate = useNavigate();
+  const exercise = exerciseOf(useExercises().data, session.exercise_id);
   const begin = useMutation({
     mutationFn: async () => {
       const phone = new Phone();
@@ -128,7 +132,9 @@ function WithPhone({
         </ol>
       </div>
       <p>{t('sensors.phoneSees')}</p>
-      <p className="muted">{t('sensors.phoneSeesNot')}</p>
+      <p className="muted">
+        {t('sensors.phoneSeesNot')} {forPosture('upright', exercise?.posture)}
+      </p>
       <Button size="xl" fullWidth loading={begin.isPending} onClick={() => begin.mutate()}>
         {t('sensors.phoneGo')}
       </Button>

@@ -77,7 +77,7 @@ def test_rules_of_the_house_are_written_out_for_whoever_edits(
 ) -> None:
     design = therapist.get(f"/api/template-versions/{stored[1]}").json()["design"]
     assert [one["kind"] for one in design["stops"]] == ["lost", "unsure", "wrong_in_a_row"]
-    assert {one["sentence"] for one in design["cues"]} >= {"guidance.sit_tall", "guidance.slower"}
+    assert {one["sentence"] for one in design["cues"]} >= {"guidance.stand_tall", "guidance.slower"}
     # Sent back as it came, it changes nothing.
     again = draw(therapist, stored, design).json()
     assert again["design"] == design

@@ -5,6 +5,7 @@ import { common } from './common';
 import { motion } from './motion';
 import { doing } from './own/doing';
 import { home } from './own/home';
+import { posture } from './own/posture';
 import { sensors } from './own/sensors';
 import { calibration } from './session/calibration';
 import { magnetic } from './session/magnetic';
@@ -30,6 +31,7 @@ export const words: Catalogue = {
   ...markers,
   ...motion,
   ...patient,
+  ...posture,
   ...report,
   ...research,
   ...sensors,

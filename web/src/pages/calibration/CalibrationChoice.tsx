@@ -6,6 +6,7 @@ import type { CalibrationGuide, CalibrationIn, CalibrationKind, Placement } from
 import { RadioCards } from '../../components/forms/Choice';
 import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
+import { wornLimbs } from '../../lib/placements';
 import { placementLabel } from '../../lib/channels';
 import { StepPicture } from '../../pictures/StepPicture';
 
@@ -113,7 +114,9 @@ export function CalibrationChoice({
         return (
           <section className="card" aria-labelledby="calibration">
             <div className="guide">
-              <div className="guide-picture">{step && <StepPicture picture={step.picture} />}</div>
+              <div className="guide-picture">
+                {step && <StepPicture picture={step.picture} worn={wornLimbs(placements)} />}
+              </div>
               <div className="guide-words">
                 <h2 id="calibration">{t(isRemembered ? 'calibration.rememberedTitle' : 'calibration.title')}</h2>
                 {isRemembered && <p>{t('calibration.rememberedText')}</p>}

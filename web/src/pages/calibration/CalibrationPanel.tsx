@@ -57,6 +57,7 @@ export function CalibrationPanel({
       {guide && isRunning(guide) ? (
         <RunningCalibration
           guide={guide}
+          placements={placements}
           title={isFirstHeading ? t('calibration.setDirections') : title}
           instruction={isFirstHeading ? t('calibration.directionsPose') : undefined}
           mayAct={mayAct}

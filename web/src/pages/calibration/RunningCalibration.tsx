@@ -1,10 +1,11 @@
 // One guided calibration while it runs: the picture, what to do now, how far it is, what to mend.
 import { Button, Group, Progress } from '@mantine/core';
 import { IconCheck } from '@tabler/icons-react';
-import type { CalibrationMessage, SensorProgress } from '../../api/types';
+import type { CalibrationMessage, Placement, SensorProgress } from '../../api/types';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number } from '../../lib/format';
+import { wornLimbs } from '../../lib/placements';
 import { CoverageSphere } from '../../pictures/CoverageSphere';
 import { StepPicture } from '../../pictures/StepPicture';
 
@@ -60,6 +61,8 @@ function Sensor({ sensor, isCompass }: { sensor: SensorProgress; isCompass: bool
 
 export interface RunningProps {
   guide: CalibrationMessage;
+  /** Where the session's sensors are worn. */
+  placements: readonly Placement[];
   title: string;
   /** Instead of the step's own. */
   instruction?: string;
@@ -69,7 +72,16 @@ export interface RunningProps {
   onCancel: () => void;
 }
 
-export function RunningCalibration({ guide, title, instruction, mayAct, isBusy, onNext, onCancel }: RunningProps) {
+export function RunningCalibration({
+  guide,
+  placements,
+  title,
+  instruction,
+  mayAct,
+  isBusy,
+  onNext,
+  onCancel,
+}: RunningProps) {
   const isEvaluating = guide.phase === 'evaluating' || guide.step >= guide.steps.length;
   const step = guide.steps[Math.min(guide.step, guide.steps.length - 1)];
   if (!step) return null;
@@ -88,7 +100,7 @@ export function RunningCalibration({ guide, title, instruction, mayAct, isBusy, 
             coverage={least.coverage ?? null}
           />
         ) : (
-          <StepPicture picture={step.picture} />
+          <StepPicture picture={step.picture} worn={wornLimbs(placements)} />
         )}
       </div>
       <div className="guide-words">

@@ -22,6 +22,8 @@ import { nearOf } from '../../kinds';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
 import { exerciseOf } from '../../lib/exercises';
+import { wornLimbs } from '../../lib/placements';
+import { forPosture } from '../../lib/posture';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
@@ -182,6 +184,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <NowLine
           guidance={guidance}
           hold={hold}
+          posture={exercise?.posture}
           missing={moment === 'silent' || (moment === 'lost' && !isStoredHere) ? moment : null}
           onFinish={() => deed.mutate('end')}
           isEnding={deed.isPending}
@@ -197,11 +200,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               {Icon && <Icon size={38} aria-hidden />}
               {t(`home.moment.${moment}`)}
             </h2>
-            <p>
-              {moment === 'ready' && exercise?.posture === 'seated'
-                ? t('home.moment.ready.seated')
-                : t(`home.moment.${moment}.text`)}
-            </p>
+            <p>{moment === 'ready' ? forPosture('ready', exercise?.posture) : t(`home.moment.${moment}.text`)}</p>
           </div>
           {moment === 'holding' && guide && (
             <Progress
@@ -214,7 +213,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {isStill && (
             <>
               <div className="home-figure">
-                <StepPicture picture="n_pose" />
+                <StepPicture picture="n_pose" worn={wornLimbs(session.placements)} />
               </div>
               <Button
                 size="xl"

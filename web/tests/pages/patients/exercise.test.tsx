@@ -26,7 +26,7 @@ function Exercise({ guidance }: { guidance: GuidanceMessage }) {
   return (
     <main>
       <h1>Reach forward</h1>
-      <NowLine guidance={guidance} hold={hold} onFinish={onFinish} isEnding={false} />
+      <NowLine guidance={guidance} hold={hold} posture="standing" onFinish={onFinish} isEnding={false} />
       <Count guidance={guidance} />
       <Controls guidance={guidance} hold={hold} />
     </main>
@@ -89,7 +89,9 @@ describe('an exercise while it is done', () => {
     await userEvent.click(screen.getByRole('button', { name: 'Go on' }));
     await waitFor(() => expect(asked.at(-1)).toEqual(['POST /api/sessions/s/guidance', { command: 'resume' }]));
     again(<Exercise guidance={said({ status: 'waiting' })} />);
-    await waitFor(() => expect(screen.getByTestId('line').textContent).toContain('rest for a moment'));
+    await waitFor(() =>
+      expect(screen.getByTestId('line').textContent).toBe('Stand as at the beginning and rest for a moment'),
+    );
   });
 
   it('offers a rest after a set, and says how much is left of what is prescribed', async () => {

@@ -3,7 +3,6 @@ import type { Translated } from '../..';
 import type { doing as english } from '../../en/own/doing';
 
 export const doing: Translated<typeof english> = {
-  'doing.waiting': 'Setzen Sie sich wie am Anfang hin und ruhen Sie einen Moment',
   'doing.ready': 'Fangen Sie an, wann Sie möchten',
   'doing.moving': 'Machen Sie mit wie die Figur',
   'doing.free': 'Machen Sie Ihre Übung',
@@ -51,11 +50,11 @@ export const doing: Translated<typeof english> = {
   'doing.held.time.text': 'Sie haben so lange geübt, wie es vorgesehen war.',
   'doing.held.lost': 'Einen Moment',
   'doing.held.lost.text':
-    'Ihre Bewegung ist gerade nicht gut zu sehen. Prüfen Sie, ob die Sensoren fest sitzen und in der Nähe sind. Es geht von selbst weiter.',
+    'Ihre Bewegung ist gerade nicht gut zu sehen. Prüfen Sie, ob die Sensoren fest angelegt und in der Nähe sind. Es geht von selbst weiter.',
   'doing.held.wrong_in_a_row': 'Schauen Sie noch einmal hin',
   'doing.held.wrong_in_a_row.text': 'Sehen Sie zu, wie die Figur sich bewegt. Versuchen Sie es dann genauso.',
   'doing.facesYou': 'Die Figur schaut Sie an: Was bei ihr rechts ist, sehen Sie links.',
-  'doing.wearPicture': 'Wo die Sensoren sitzen: {places}',
+  'doing.wearPicture': 'Wo die Sensoren getragen werden: {places}',
 
   'after.title': 'Wie war es?',
   'after.pain': 'Hat es wehgetan?',

@@ -36,11 +36,8 @@ export const home: Translated<typeof english> = {
   'home.moment.holding.text': 'Bleiben Sie, wie Sie sind, bis diese Seite den nächsten Schritt zeigt.',
   'home.moment.again': 'Bitte noch einmal',
   'home.moment.again.text':
-    'Das hat nicht geklappt. Prüfen Sie, ob jeder Sensor fest an seinem Platz sitzt. Stehen Sie dann noch einmal still.',
+    'Das hat nicht geklappt. Prüfen Sie, ob jeder Sensor fest an seinem Platz angelegt ist. Stehen Sie dann noch einmal still.',
   'home.moment.ready': 'Bereit',
-  'home.moment.ready.text': 'Drücken Sie auf Los und machen Sie dann Ihre Übung.',
-  'home.moment.ready.seated':
-    'Setzen Sie sich jetzt auf einen Stuhl. Drücken Sie auf Los und machen Sie dann Ihre Übung.',
   'home.moment.going': 'Los!',
   'home.moment.going.text': 'Machen Sie Ihre Übung. Wenn Sie fertig sind, drücken Sie den Knopf.',
   'home.moment.silent': 'Kein Signal von den Sensoren',

@@ -23,11 +23,10 @@ export const sensors: Translated<typeof english> = {
   'sensors.phoneTight': 'Ziehen Sie das Band fest: Das Telefon darf nicht verrutschen, wenn Sie sich bewegen.',
   'sensors.phoneStart': 'Drücken Sie den Knopf, bevor Sie das Band schließen, und lassen Sie diese Seite offen.',
   'sensors.phoneSees': 'Das Telefon erkennt, wie weit Sie den Arm heben, wie oft und wie gleichmäßig.',
-  'sensors.phoneSeesNot':
-    'Es erkennt nicht Ihren Ellbogen, Ihre Hand, wohin Sie greifen oder ob Sie sich neigen. Bleiben Sie mit dem Rücken an der Lehne.',
+  'sensors.phoneSeesNot': 'Es erkennt nicht Ihren Ellbogen, Ihre Hand, wohin Sie greifen oder ob Sie sich neigen.',
   'sensors.phoneGo': 'Mit diesem Telefon messen',
   'sensors.dotSteps':
-    'Drücken Sie auf eine Stelle und wählen Sie dann den Sensor, den Sie dort tragen. Seine Nummer steht darauf.',
+    'Drücken Sie auf eine Stelle und wählen Sie dann den Sensor, den Sie dort tragen. Seine Nummer ist aufgedruckt.',
   'sensors.dotChoose': 'Verbinden: {place}',
   'sensors.dotAgain': 'Ein anderer',
   'sensors.dotAgainFor': 'Ein anderer Sensor für: {place}',

@@ -1,6 +1,5 @@
 // Words of an exercise while it is done, and of the questions after it. A grandmother must not ask about any of them.
 export const doing = {
-  'doing.waiting': 'Sit as at the beginning and rest for a moment',
   'doing.ready': 'Begin when you like',
   'doing.moving': 'Follow the figure',
   'doing.free': 'Do your exercise',
@@ -47,11 +46,11 @@ export const doing = {
   'doing.held.time.text': 'You have exercised as long as your therapist wished.',
   'doing.held.lost': 'One moment',
   'doing.held.lost.text':
-    'Your movement cannot be seen well. Check that the sensors sit firmly and are near. It goes on by itself.',
+    'Your movement cannot be seen well. Check that the sensors are strapped on firmly and are near. It goes on by itself.',
   'doing.held.wrong_in_a_row': 'Look once more',
   'doing.held.wrong_in_a_row.text': 'Watch how the figure moves. Then try it the same way.',
   'doing.facesYou': 'The figure looks at you: its right side is on your left.',
-  'doing.wearPicture': 'Where the sensors sit: {places}',
+  'doing.wearPicture': 'Where the sensors are worn: {places}',
 
   'after.title': 'How was it?',
   'after.pain': 'Did it hurt?',

@@ -32,10 +32,8 @@ export const home = {
   'home.moment.holding.text': 'Stay as you are until this page shows the next step.',
   'home.moment.again': 'Once more, please',
   'home.moment.again.text':
-    'That did not work. Check that every sensor sits firmly in its place. Then stand still again.',
+    'That did not work. Check that every sensor is strapped on firmly in its place. Then stand still again.',
   'home.moment.ready': 'Ready',
-  'home.moment.ready.text': 'Press Go, then do your exercise.',
-  'home.moment.ready.seated': 'Now sit down on a chair. Press Go, then do your exercise.',
   'home.moment.going': 'Go!',
   'home.moment.going.text': 'Do your exercise. When you have finished, press the button.',
   'home.moment.silent': 'No signal from the sensors',

@@ -19,10 +19,9 @@ export const sensors = {
   'sensors.phoneTight': 'Pull the strap tight: the phone must not slip when you move.',
   'sensors.phoneStart': 'Press the button before you close the strap, and leave this page open.',
   'sensors.phoneSees': 'The phone sees how far you lift your arm, how often, and how evenly.',
-  'sensors.phoneSeesNot':
-    'It does not see your elbow, your hand, where you reach, or whether you lean. Keep your back on the chair.',
+  'sensors.phoneSeesNot': 'It does not see your elbow, your hand, where you reach, or whether you lean.',
   'sensors.phoneGo': 'Measure with this phone',
-  'sensors.dotSteps': 'Press a place, then choose the sensor that you wear there. Its number stands on it.',
+  'sensors.dotSteps': 'Press a place, then choose the sensor that you wear there. Its number is printed on it.',
   'sensors.dotChoose': 'Connect: {place}',
   'sensors.dotAgain': 'Another one',
   'sensors.dotAgainFor': 'Another sensor for: {place}',

@@ -7,16 +7,17 @@ import {
   IconPlayerStopFilled,
 } from '@tabler/icons-react';
 import { useState } from 'react';
-import type { GuidanceMessage } from '../../../api/types';
+import type { GuidanceMessage, Posture } from '../../../api/types';
 import { t } from '../../../i18n';
 import { useKeys } from '../../../lib/browser/keys';
+import { forPosture } from '../../../lib/posture';
 import type { Hold } from './useHold';
 import { canSpeak, keepVoice, useVoice, wantsVoice } from './voice';
 
 /** The one thing to say; nothing is said of what is not known. */
-function lineOf(guidance: GuidanceMessage | null): string {
+function lineOf(guidance: GuidanceMessage | null, posture: Posture | undefined): string {
   if (guidance?.cue) return guidance.cue;
-  if (guidance?.status === 'waiting') return t('doing.waiting');
+  if (guidance?.status === 'waiting') return forPosture('waiting', posture);
   if (guidance?.status === 'ready') return t('doing.ready');
   if (guidance?.status === 'moving') return t('doing.moving');
   return t('doing.free');
@@ -59,6 +60,8 @@ function leftOf(guidance: GuidanceMessage | null): number {
 interface NowProps {
   guidance: GuidanceMessage | null;
   hold: Hold;
+  /** How the exercise is done; undefined while that is not known. */
+  posture: Posture | undefined;
   /** What would be missing if she went on now. */
   missing?: 'silent' | 'lost' | null;
   onFinish: () => void;
@@ -145,7 +148,7 @@ function Buttons({ hold }: { hold: Hold }) {
 
 /** What to do now, or why nothing is counted, and what can be done about it. */
 export function NowLine(props: NowProps) {
-  const { guidance, hold } = props;
+  const { guidance, hold, posture } = props;
   if (hold.held !== null) return <HeldCard {...props} />;
   return (
     <p
@@ -154,7 +157,7 @@ export function NowLine(props: NowProps) {
       aria-live="assertive"
       data-testid="line"
     >
-      {lineOf(guidance)}
+      {lineOf(guidance, posture)}
     </p>
   );
 }
