@@ -2,11 +2,17 @@
 
 from collections.abc import Collection
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select
 from sqlalchemy.orm import Session
 
 from app.accounts.models import Consent
 from app.database.base import utc_now
+
+# Built once: it is asked for open sockets again and again, see `app.patients.access`.
+_ANSWERED = select(Consent.patient_id, Consent.purpose, Consent.granted).where(
+    Consent.patient_id.in_(bindparam("patients", expanding=True)),
+    Consent.purpose.in_(bindparam("purposes", expanding=True)),
+)
 
 
 def answered(
@@ -20,11 +26,7 @@ def answered(
     patient_ids : collection of str
     purposes : collection of {"treatment", "research", "home_streaming"}
     """
-    rows = session.execute(
-        select(Consent.patient_id, Consent.purpose, Consent.granted).where(
-            Consent.patient_id.in_(patient_ids), Consent.purpose.in_(purposes)
-        )
-    )
+    rows = session.execute(_ANSWERED, {"patients": list(patient_ids), "purposes": list(purposes)})
     return {(patient_id, purpose): granted for patient_id, purpose, granted in rows}
 
 

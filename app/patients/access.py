@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal, NamedTuple, Protocol
 
-from sqlalchemy import ColumnElement, Select, or_, select, tuple_
+from sqlalchemy import BindParameter, ColumnElement, Select, bindparam, or_, select, tuple_
 from sqlalchemy.orm import Session
 
 from app.accounts.consents import answered
@@ -131,11 +131,7 @@ def refusals(session: Session, questions: Sequence[Asked]) -> list[NotFound | No
     """
     if not questions:
         return []
-    rows = session.execute(
-        select(Patient.id, Patient.clinic_id, Patient.archived_at).where(
-            Patient.id.in_({asked.patient_id for asked in questions})
-        )
-    )
+    rows = session.execute(_PATIENTS, {"ids": list({asked.patient_id for asked in questions})})
     patients = {row.id: row for row in rows}
     known = [asked for asked in questions if asked.patient_id in patients]
     facts = _facts(session, known)
@@ -200,15 +196,27 @@ def visible_patients(subject: Subject) -> Select[Patient]:
     )
 
 
-def is_in_force(at: datetime | None = None) -> ColumnElement[bool]:
+def is_in_force(at: datetime | BindParameter[datetime] | None = None) -> ColumnElement[bool]:
     """Return the SQL condition of a grant that is neither revoked nor expired.
 
     Parameters
     ----------
-    at : datetime, optional
+    at : datetime or bound parameter, optional
         Now when absent.
     """
-    return Grant.revoked_at.is_(None) & or_(Grant.expires_at.is_(None), Grant.expires_at > (at or utc_now()))
+    moment = utc_now() if at is None else at
+    return Grant.revoked_at.is_(None) & or_(Grant.expires_at.is_(None), Grant.expires_at > moment)
+
+
+# Asked for every open socket again and again. A statement that is built for each question leaves cycles of objects
+# behind that only the garbage collector frees, and it rarely runs (`app.live.warmup`).
+_PATIENTS = select(Patient.id, Patient.clinic_id, Patient.archived_at).where(
+    Patient.id.in_(bindparam("ids", expanding=True))
+)
+_GRANTS = select(Grant.patient_id, Grant.account_id, Grant.level).where(
+    tuple_(Grant.patient_id, Grant.account_id).in_(bindparam("pairs", expanding=True)),
+    is_in_force(bindparam("now", type_=Grant.expires_at.type)),
+)
 
 
 def _facts(session: Session, questions: Sequence[Asked]) -> _Facts:
@@ -228,11 +236,7 @@ def _granted(session: Session, questions: Iterable[Asked]) -> dict[tuple[str, st
     }
     if not pairs:
         return {}
-    rows = session.execute(
-        select(Grant.patient_id, Grant.account_id, Grant.level).where(
-            tuple_(Grant.patient_id, Grant.account_id).in_(pairs), is_in_force()
-        )
-    )
+    rows = session.execute(_GRANTS, {"pairs": list(pairs), "now": utc_now()})
     held: dict[tuple[str, str], frozenset[Level]] = {}
     for patient_id, account_id, level in rows:
         pair = patient_id, account_id

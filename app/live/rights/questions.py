@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Engine, Row, select
+from sqlalchemy import BindParameter, Engine, Row, bindparam, select
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.orm import Session
@@ -24,6 +24,14 @@ from app.patients.access import Asked, Level, refusals
 from app.recordings.models import MotionSession
 from app.sentences import say
 from app.settings import Settings
+
+_IDS: BindParameter[list[str]] = bindparam("ids", expanding=True)
+# Built once: see `app.patients.access`.
+_SESSIONS = select(MotionSession.id, MotionSession.patient_id).where(MotionSession.id.in_(_IDS))
+_DEVICES = select(DeviceToken.id, DeviceToken.revoked_at, DeviceToken.expires_at).where(
+    DeviceToken.id.in_(_IDS)
+)
+_ACTIVE_ACCOUNTS = select(Account.id).where(Account.id.in_(_IDS), Account.is_active)
 
 
 @dataclass(frozen=True)
@@ -92,12 +100,8 @@ def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[Telemoti
             session, {one.subject.id for one in questions if one.subject.kind == "device"}
         )
         accounts = _active(session, {one.subject.id for one in questions if one.subject.kind == "account"})
-        found = session.execute(
-            select(MotionSession.id, MotionSession.patient_id).where(
-                MotionSession.id.in_({one.session_id for one in questions})
-            )
-        )
-        patients = dict(found.all())
+        found = session.execute(_SESSIONS, {"ids": list({one.session_id for one in questions})})
+        patients = {row.id: row.patient_id for row in found}
         refused: list[TelemotionError | None] = []
         left: dict[int, Asked] = {}
         for number, one in enumerate(questions):
@@ -154,16 +158,14 @@ def _is_nobody(
 def _valid_devices(session: Session, ids: set[str]) -> set[str]:
     if not ids:
         return set()
-    rows = session.execute(
-        select(DeviceToken.id, DeviceToken.revoked_at, DeviceToken.expires_at).where(DeviceToken.id.in_(ids))
-    )
+    rows = session.execute(_DEVICES, {"ids": list(ids)})
     return {row.id for row in rows if is_valid(row)}
 
 
 def _active(session: Session, ids: set[str]) -> set[str]:
     if not ids:
         return set()
-    return set(session.scalars(select(Account.id).where(Account.id.in_(ids), Account.is_active)))
+    return set(session.scalars(_ACTIVE_ACCOUNTS, {"ids": list(ids)}))
 
 
 __all__ = ["RightQuestion", "answers", "answers_apart", "still_allowed"]

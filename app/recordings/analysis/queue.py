@@ -8,10 +8,30 @@ from dataclasses import dataclass
 from datetime import datetime
 from itertools import count
 
-from sqlalchemy import func, select
+from sqlalchemy import bindparam, func, select
 from sqlalchemy.orm import Session
 
 from app.recordings.models import Job, MotionSession
+
+# Asked several times a second for as long as the service runs, and so built once (see `app.patients.access`).
+_IS_WAITING = (Job.status == "queued") & Job.id.not_in(bindparam("running", expanding=True))
+_GROUPS = (
+    select(MotionSession.clinic_id, Job.created_by, func.min(Job.created_at))
+    .join(MotionSession, MotionSession.id == Job.session_id)
+    .where(_IS_WAITING)
+    .group_by(MotionSession.clinic_id, Job.created_by)
+)
+_OLDEST_OF_GROUP = (
+    select(Job.id, Job.kind)
+    .join(MotionSession, MotionSession.id == Job.session_id)
+    .where(
+        _IS_WAITING,
+        MotionSession.clinic_id == bindparam("clinic_id"),
+        Job.created_by == bindparam("asked_by"),
+    )
+    .order_by(Job.created_at, Job.id)
+    .limit(1)
+)
 
 
 @dataclass(frozen=True)
@@ -75,13 +95,8 @@ class FairQueue:
             self._running.pop(waiting.job_id, None)
 
     def _next(self, session: Session) -> Waiting | None:
-        is_waiting = (Job.status == "queued") & Job.id.not_in(list(self._running))
-        rows = session.execute(
-            select(MotionSession.clinic_id, Job.created_by, func.min(Job.created_at))
-            .join(MotionSession, MotionSession.id == Job.session_id)
-            .where(is_waiting)
-            .group_by(MotionSession.clinic_id, Job.created_by)
-        ).all()
+        running = list(self._running)
+        rows = session.execute(_GROUPS, {"running": running}).all()
         groups: list[tuple[str, str, datetime]] = [(row[0], row[1], row[2]) for row in rows]
         most = max(1, self._workers - 1)
         at_work = [running.clinic_id for running in self._running.values()]
@@ -95,13 +110,8 @@ class FairQueue:
             return last((clinic_id,), 0), last((clinic_id, asked_by), 0), oldest
 
         clinic_id, asked_by, _ = min(may_begin, key=place)
-        job = session.execute(
-            select(Job.id, Job.kind)
-            .join(MotionSession, MotionSession.id == Job.session_id)
-            .where(is_waiting, MotionSession.clinic_id == clinic_id, Job.created_by == asked_by)
-            .order_by(Job.created_at, Job.id)
-            .limit(1)
-        ).one()
+        group = {"running": running, "clinic_id": clinic_id, "asked_by": asked_by}
+        job = session.execute(_OLDEST_OF_GROUP, group).one()
         return Waiting(job.id, job.kind, clinic_id, asked_by)
 
 
