@@ -213,11 +213,22 @@ def backup(
 @cli.command()
 def restore(
     archive: Annotated[Path, typer.Argument(help="File that backup wrote.", exists=True, dir_okay=False)],
+    register: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="A register (ended.jsonl) of another data folder, or a newer backup, which carries one.",
+            exists=True,
+            dir_okay=False,
+        ),
+    ] = None,
 ) -> None:
-    """Fill the empty database of TELEMOTION_DATABASE_URL from a backup; refuses a database with data."""
+    """Fill the empty database of TELEMOTION_DATABASE_URL from a backup; refuses a database with data.
+
+    Whoever was erased and whatever was revoked after it is so again, as the register in TELEMOTION_DATA_DIR says.
+    """
     from app.commands import store as command
 
-    command.restore(archive)
+    command.restore(archive, register or ())
 
 
 @cli.command("audit-verify")

@@ -10,9 +10,11 @@ from typing import Protocol
 
 from anyio import to_thread
 from fastapi import APIRouter, FastAPI
+from sqlalchemy import Engine
 
 from app import processes
 from app import tables as tables
+from app.accounts.audit_reading import note_ended
 from app.accounts.credentials.passwords import Passwords
 from app.accounts.credentials.rate_limit import Counting, LeakyCounter, SignInLimits
 from app.accounts.credentials.stored_limit import StoredCounter
@@ -25,6 +27,8 @@ from app.assessment.course.endpoints import router as course_router
 from app.assessment.design.endpoints import router as design_router
 from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
+from app.assessment.records import ended_again
+from app.database import ended
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import unit_of_work
@@ -46,7 +50,7 @@ from app.ingest.marker_task import fuse
 from app.ingest.markers import FILE_LIMIT_BYTES as MARKER_LIMIT_BYTES
 from app.ingest.markers import router as markers_router
 from app.ingest.preview import router as preview_router
-from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
+from app.ingest.upload import MULTIPART_SLACK_BYTES
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
 from app.live.bus import MemoryBus
@@ -64,6 +68,7 @@ from app.recordings.analysis.kinds import kind_routers, kinds
 from app.recordings.analysis.reprocess import reprocess
 from app.recordings.answers.endpoints import router as answers_router
 from app.recordings.endpoints import router as sessions_router
+from app.recordings.files_in_passing import remove_orphans
 from app.recordings.series_endpoints import router as series_router
 from app.recordings.service import queue_closing
 from app.recordings.signals.disk import DiskUse
@@ -232,6 +237,7 @@ async def open_foundation(
     engine = database_engine.create(settings)
     stack.callback(engine.dispose)
     await to_thread.run_sync(require_newest, engine)
+    await to_thread.run_sync(_keep_ended, engine, settings)
     services = Services(settings=settings, engine=engine)
     services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
     counting: Counting = LeakyCounter
@@ -243,6 +249,14 @@ async def open_foundation(
     stack.push_async_callback(partial(to_thread.run_sync, refused.close))
     services.add(DiskUse(engine, settings.clinic_disk_bytes))
     return services
+
+
+def _keep_ended(engine: Engine, settings: Settings) -> None:
+    """Bring the register of what was ended for good up to the database, and the database up to the register."""
+    register = ended.path_of(settings)
+    note_ended(engine, register)
+    if said := ended_again.in_words(ended_again.apply(engine, settings, ended.read(register))):
+        logger.warning("this database is older than the register of erasures and revocations: %s", said)
 
 
 def prepare_processes() -> None:

@@ -22,7 +22,6 @@ from app.database.writer_lock import RunnerLock, WriterLock
 from app.edge.readiness import Check, Readiness, storing_checks
 from app.edge.registry import Registry
 from app.errors import TelemotionError
-from app.ingest.upload import remove_orphans
 from app.live.bus import MemoryBus
 from app.live.side import LiveSide, SteeredSide
 from app.live.warmup import Readiness as Warmth
@@ -30,6 +29,7 @@ from app.live.warmup import prepare_process
 from app.main import create_app, job_handlers, open_foundation, prepare_processes
 from app.observation import observe_part
 from app.recordings.analysis.jobs import JobDone, JobRunner
+from app.recordings.files_in_passing import remove_orphans
 from app.scaled import fencing
 from app.scaled.broker import Broker, connect
 from app.scaled.edge.feed import FeedBus

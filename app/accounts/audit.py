@@ -13,6 +13,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from typing import Any
 
 from sqlalchemy import insert, select
@@ -20,8 +21,9 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import AuditEvent, Clinic
 from app.accounts.subject import Subject
+from app.database import ended
 from app.database.base import utc_now
-from app.database.unit_of_work import before_commit
+from app.database.unit_of_work import after_commit, before_commit
 
 GENESIS = "0" * 64
 """Previous hash of the first event of a clinic."""
@@ -122,6 +124,9 @@ def _append_to_clinic(session: Session, clinic_id: str, entries: Sequence[_Entry
         rows.append(row)
     # Plain inserts: the write lock is held, and objects would double the time.
     session.execute(insert(AuditEvent.__table__), rows)  # type: ignore[arg-type]
+    register = session.get_bind().get_execution_options().get(ended.OPTION)
+    if register is not None and (entries_for_good := [one for row in rows if (one := ended.of_event(row))]):
+        after_commit(session, partial(ended.add, register, entries_for_good))
 
 
 _CONTENT = (

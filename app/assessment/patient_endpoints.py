@@ -11,9 +11,9 @@ from fastapi.responses import StreamingResponse
 from app.accounts.dependencies import CurrentAccount
 from app.assessment import practice
 from app.assessment.caseload import caseload
-from app.assessment.erasure import erase
 from app.assessment.exports.patient import export
 from app.assessment.progress import progress
+from app.assessment.records.erasure import erase
 from app.assessment.schemas import CaseloadRow, Progress
 from app.database.dependencies import ReadSession, WriteSession
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut

@@ -1,6 +1,9 @@
 """Commands on the database: migrate, backup, restore, reprocess, check the audit trail."""
 
 import json
+import zipfile
+from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
 import typer
@@ -12,10 +15,13 @@ from app.accounts.credentials.passwords import Passwords
 from app.accounts.credentials.sign_in import normalise_email
 from app.accounts.models import Account, Clinic
 from app.accounts.subject import Subject
+from app.assessment.records import ended_again
 from app.database import backup as archives
+from app.database import ended
 from app.database import engine as engines
 from app.database import migrate as migrations
 from app.database.base import new_id
+from app.database.ended import Ended
 from app.database.unit_of_work import read_only, unit_of_work
 from app.database.writer_lock import writer_lock
 from app.errors import Conflict, InvalidInput, NotFound, TelemotionError
@@ -73,20 +79,60 @@ def backup(archive: Path) -> None:
     )
 
 
-def restore(archive: Path) -> None:
+def restore(archive: Path, registers: Sequence[Path] = ()) -> None:
     """Fill an empty database from a backup; of one of many machines that had something in its streams, them too.
+
+    What was erased, revoked or withdrawn after the backup is so again, as far as a register says it: that of the data
+    folder, that of the backup itself, and those that are named.
+
+    Parameters
+    ----------
+    archive : Path
+    registers : sequence of Path
+        Registers, or newer backups, which carry one.
 
     Raises
     ------
     Conflict
         A service runs on the database, or it is not empty; or what was in streams can only be read by workers.
     InvalidInput
-        It is one of many machines, and NATS cannot be reached.
+        It is one of many machines, and NATS cannot be reached; or there is no such register.
     """
     settings = Settings()
+    own = ended.path_of(settings)
+    named = [entry for path in registers for entry in _register_in(path)]
+    known_until = datetime.fromtimestamp(own.stat().st_mtime, UTC) if own.exists() else None
     with writer_lock(settings.database_url, "telemotion restore"):
         manifest = whole.restore(archive, settings)
+        ended.add(own, [*named, *_register_in(archive)])
+        engine = engines.create(settings)
+        try:
+            done = ended_again.apply(engine, settings, ended.read(own))
+        finally:
+            engine.dispose()
     typer.echo(f"{sum(manifest.rows.values())} rows restored")
+    typer.echo(ended_again.in_words(done) or "erased again: nobody, revoked: nothing")
+    if known_until is not None:
+        typer.echo(f"The register of erasures and revocations reaches to {known_until:%Y-%m-%d %H:%M} UTC.")
+    elif not registers:
+        typer.echo(
+            f"No register of erasures and revocations is in {own.parent}. Whoever was erased and whatever was revoked"
+            f" after {manifest.created_at} is back: restore with --register and the ended.jsonl of the old data folder,"
+            " or a newer backup, or erase and revoke again by hand."
+        )
+
+
+def _register_in(path: Path) -> list[Ended]:
+    """Read a register, or that of a backup; one from before there were registers has none."""
+    if not path.exists():
+        raise InvalidInput(f"{path} does not exist; name a register (ended.jsonl) or a backup")
+    if not zipfile.is_zipfile(path):
+        return ended.read(path)
+    return ended.parse(archives.rows_of(path, ended.ENTRY)) if _has_register(path) else []
+
+
+def _has_register(path: Path) -> bool:
+    return ended.ENTRY in archives.verify(path).rows
 
 
 def audit_verify(archive: Path | None) -> None:

@@ -21,6 +21,7 @@ from sqlalchemy import Connection, Engine, create_engine, event, make_url
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.pool import ConnectionPoolEntry
 
+from app.database import ended
 from app.settings import Settings
 
 BUSY_TIMEOUT_MS = 15_000
@@ -39,14 +40,16 @@ def create(settings: Settings) -> Engine:
     Parameters
     ----------
     settings : Settings
-        `database_url` and `database_durability` are used.
+        `database_url`, `database_durability` and `data_dir` are used.
 
     Returns
     -------
     Engine
-        Not yet connected; dispose of it when the service stops.
+        Not yet connected; dispose of it when the service stops. It knows the register of what is ended for good.
     """
-    return create_from_url(settings.database_url, durability=settings.database_durability)
+    engine = create_from_url(settings.database_url, durability=settings.database_durability)
+    engine.update_execution_options(**{ended.OPTION: ended.path_of(settings)})
+    return engine
 
 
 def create_from_url(url: str, *, durability: str = "process_death") -> Engine:

@@ -9,6 +9,7 @@ In a read-only unit the same work is done right after the reading, in a short wr
 and before the caller gets its answer: an answer that could not be audited is not given.
 """
 
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -16,7 +17,10 @@ from typing import Any
 from sqlalchemy import Engine
 from sqlalchemy.orm import Session
 
+logger = logging.getLogger(__name__)
+
 _PENDING = "before_commit"
+_AFTERWARDS = "after_commit"
 
 Finisher = Callable[[Session, list[Any]], None]
 
@@ -64,6 +68,12 @@ def unit_of_work(engine: Engine) -> Iterator[WritableSession]:
         except BaseException:
             session.rollback()
             raise
+        for action in session.info.pop(_AFTERWARDS, []):
+            try:
+                action()
+            except OSError:
+                # What was committed stands; whoever left something behind looks for it again, `remove_orphans`.
+                logger.exception("what follows a commit failed")
 
 
 @contextmanager
@@ -103,6 +113,19 @@ def before_commit(session: Session, finisher: Finisher, item: Any) -> None:
     """
     pending: dict[Finisher, list[Any]] = session.info.setdefault(_PENDING, {})
     pending.setdefault(finisher, []).append(item)
+
+
+def after_commit(session: Session, action: Callable[[], None]) -> None:
+    """Do something outside of the database once this unit of work is committed; nothing if it is not.
+
+    Parameters
+    ----------
+    session : Session
+        Of `unit_of_work`.
+    action : callable()
+        An `OSError` is logged: what is stored is stored.
+    """
+    session.info.setdefault(_AFTERWARDS, []).append(action)
 
 
 def _run_pending(session: Session, pending: dict[Finisher, list[Any]]) -> None:

@@ -1,5 +1,6 @@
 """Receiving `multipart/form-data`: one JSON part and one file, straight to disk, never beyond a limit."""
 
+import os
 from collections.abc import AsyncIterator, Awaitable, Callable
 from pathlib import Path
 from typing import Any, BinaryIO, Final
@@ -109,7 +110,7 @@ class UploadReceiver:
                         raise InvalidInput(say("upload.declaration_first"))
                     await self._on_declaration(self._declaration)
                     is_declared = True
-                    file = await to_thread.run_sync(self._target.open, "wb")
+                    file = await to_thread.run_sync(_open_private, self._target)
                 if file is not None and len(self._pending) >= _WRITE_BYTES:
                     await self._flush(file)
             if not self._is_complete:
@@ -166,6 +167,11 @@ class UploadReceiver:
 
     def _all_ends(self) -> None:
         self._is_complete = True
+
+
+def _open_private(path: Path) -> BinaryIO:
+    """Open a new file that only the service may read."""
+    return os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb")
 
 
 def too_large(limit_bytes: int) -> TooLarge:

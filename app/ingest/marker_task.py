@@ -9,12 +9,12 @@ from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of
-from app.ingest.upload import upload_folder
 from app.readers import read_markers
 from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import markers
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.offline import aligned
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession
 from app.sentences import CATALOGUE, say
 from estimators.recording import Float, SampleQuality

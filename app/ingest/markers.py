@@ -16,12 +16,12 @@ from app.database.dependencies import ReadSession
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, TooLarge
 from app.ingest._multipart import UploadReceiver, described
-from app.ingest.upload import upload_folder
 from app.pages import WantedPage
 from app.readers import read_markers
 from app.readers.markers.schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings import marker_motion, markers, service
 from app.recordings.analysis.jobs import JobRunner
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.schemas import JobOut
 from app.sentences import say
 from app.services import services_of

@@ -1,17 +1,17 @@
 """Uploading a whole recording: received to disk, stored as packets, analysed like a streamed session.
 
 The request ends when the file is on disk and its task is queued; reading, storing and estimating are the
-task's work, in the worker process, with progress. A file is removed when it was read or cannot be.
+task's work, in the worker process, with progress. A file is removed when its task has ended, however it ended
+(`app.recordings.files_in_passing`).
 """
 
-import time
 from pathlib import Path
 from typing import Final, cast
 
 from anyio import to_thread
 from fastapi import APIRouter, Request
 from pydantic import ValidationError
-from sqlalchemy import Engine, select
+from sqlalchemy import Engine
 
 from app import readers
 from app.accounts.dependencies import CurrentSubject
@@ -23,7 +23,8 @@ from app.ingest._multipart import UploadReceiver, described, too_large
 from app.recordings import repository, service
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.analysis.kinds import kinds
-from app.recordings.models import Job, MotionSession
+from app.recordings.files_in_passing import upload_folder
+from app.recordings.models import MotionSession
 from app.recordings.schemas import JobOut, UploadIn
 from app.recordings.signals.disk import DiskUse
 from app.sentences import say
@@ -105,44 +106,6 @@ def parse_declaration(text: bytes) -> UploadIn:
     return declaration
 
 
-def upload_folder(settings: Settings) -> Path:
-    """Return the folder for files in passing, readable by the service only."""
-    folder = settings.data_dir / "uploads"
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    return folder
-
-
-def remove_orphans(engine: Engine, settings: Settings, older_than_s: float = 0.0) -> int:
-    """Remove uploaded files that no unfinished task needs; called once at the start of the service.
-
-    Parameters
-    ----------
-    engine : Engine
-    settings : Settings
-    older_than_s : float
-        Where other processes receive uploads: longer than one takes.
-
-    Returns
-    -------
-    int
-        How many were removed.
-    """
-    newest_s = time.time() - older_than_s
-    with read_only(engine) as session:
-        wanted = {
-            job.arguments.get("file")
-            for job in session.scalars(
-                select(Job).where(Job.kind == "upload", Job.status.in_(("queued", "running")))
-            )
-        }
-    removed = 0
-    for path in upload_folder(settings).iterdir():
-        if path.name not in wanted and path.stat().st_mtime <= newest_s:
-            path.unlink(missing_ok=True)
-            removed += 1
-    return removed
-
-
 def _check_right(engine: Engine, subject: Subject, declaration: UploadIn) -> None:
     with read_only(engine) as session:
         repository.patient_of(
@@ -219,7 +182,5 @@ __all__ = [
     "parse_declaration",
     "pipeline_of",
     "register",
-    "remove_orphans",
     "router",
-    "upload_folder",
 ]

@@ -12,13 +12,14 @@ from app import readers
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import ImplausibleReadings, RecordingFormatError
-from app.ingest.upload import pipeline_of, upload_folder
+from app.ingest.upload import pipeline_of
 from app.network.declaration import Declaration
 from app.network.raw_packet import RawPacket
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import Wanted, kind_of, kinds
 from app.recordings.analysis.offline import Analysis, stretches
 from app.recordings.analysis.reprocess import count_session, enqueue_comparison
+from app.recordings.files_in_passing import file_of
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
@@ -39,29 +40,28 @@ def upload(context: JobContext) -> str:
     Raises
     ------
     RecordingFormatError
-        The file is not what it was declared to be; it is removed.
+        The file is not what it was declared to be.
+
+    Notes
+    -----
+    Whoever runs the task removes the file when it has ended for good.
     """
     declaration = UploadIn.model_validate(context.arguments["declaration"])
-    path = upload_folder(context.settings) / Path(str(context.arguments["file"])).name
+    path = file_of(context.settings, context.arguments)
+    if path is None or not path.exists():
+        raise RecordingFormatError(say("upload.gone"))
+    if declaration.format is None:
+        declaration = _recognised(context, declaration, path)
     try:
-        if not path.exists():
-            raise RecordingFormatError(say("upload.gone"))
-        if declaration.format is None:
-            declaration = _recognised(context, declaration, path)
-        try:
-            with readers.accepting(declaration.accept_implausible) as doubts:
-                notes = _store(context, declaration, path)
-        except ImplausibleReadings as error:
-            context.remember(implausible=[str(error.details.get("quantity"))])
-            raise
-        notes += [*doubts]
-        notes += _check(context, declaration)
-        analysis = _analyse(context, declaration)
-    except RecordingFormatError:
-        path.unlink(missing_ok=True)
+        with readers.accepting(declaration.accept_implausible) as doubts:
+            notes = _store(context, declaration, path)
+    except ImplausibleReadings as error:
+        context.remember(implausible=[str(error.details.get("quantity"))])
         raise
+    notes += [*doubts]
+    notes += _check(context, declaration)
+    analysis = _analyse(context, declaration)
     _finish(context, analysis)
-    path.unlink(missing_ok=True)
     return CATALOGUE.together([analysis.message, *notes])
 
 

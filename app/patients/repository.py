@@ -296,6 +296,7 @@ def create_grant(
     )
     for old in held:
         old.revoked_at = utc_now()
+        audit.record(session, subject, "grant.revoke", patient_id, old.id, {"account_id": account_id})
     return _add_grant(session, subject, patient_id, account_id, level, expires_at), account.display_name
 
 

@@ -60,9 +60,11 @@ def get_session(session_id: str, session: ReadSession, subject: CurrentSubject) 
 
 
 @router.delete("/sessions/{session_id}", status_code=204)
-def delete_session(session_id: str, session: WriteSession, subject: CurrentSubject) -> Response:
+def delete_session(
+    session_id: str, request: Request, session: WriteSession, subject: CurrentSubject
+) -> Response:
     """Erase a session with all its signals, results and comparisons."""
-    repository.delete_session(session, subject, session_id)
+    repository.delete_session(session, services_of(request).settings, subject, session_id)
     return Response(status_code=204)
 
 

@@ -17,8 +17,10 @@ from app.exercises.models import Exercise, Prescription
 from app.pages import Page, rows_of
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting, Patient
+from app.recordings.files_in_passing import remove_files_of
 from app.recordings.models import WALK_STREAM, Job, MotionSession, Result, SessionEvent, SignalChunk
 from app.sentences import say
+from app.settings import Settings
 
 NO_SUCH_SESSION = say("session.not_found")
 
@@ -215,8 +217,8 @@ def jobs_of(session: Session, subject: Subject, session_id: str, page: Page) -> 
     return [job for (job,) in rows_of(session, query, (Job.created_at, Job.id), page, newest_first=True)]
 
 
-def delete_session(session: Session, subject: Subject, session_id: str) -> None:
-    """Erase a session with its signals, results and comparisons; the audit trail keeps that it happened.
+def delete_session(session: Session, settings: Settings, subject: Subject, session_id: str) -> None:
+    """Erase a session with its signals, results, comparisons and files; the audit trail keeps that it happened.
 
     Raises
     ------
@@ -226,13 +228,20 @@ def delete_session(session: Session, subject: Subject, session_id: str) -> None:
     found = get_session(session, subject, session_id, "treat", action="session.delete")
     if found.state in {"calibrating", "ready", "recording"}:
         raise Conflict(say("session.delete_live"), state=found.state)
-    session.execute(delete(MotionSession).where(MotionSession.id == session_id))
+    erase_session(session, settings, found)
+
+
+def erase_session(session: Session, settings: Settings, found: MotionSession) -> None:
+    """Delete a session with everything that hangs on it and its files; the caller has checked the right."""
+    remove_files_of(session, settings, select(MotionSession.id).where(MotionSession.id == found.id))
+    session.execute(delete(MotionSession).where(MotionSession.id == found.id))
 
 
 __all__ = [
     "add_job",
     "create_session",
     "delete_session",
+    "erase_session",
     "events_of",
     "exercise_name",
     "get_job",

@@ -1,4 +1,5 @@
-"""Backup and restore of the whole: the database, and of a service on many machines what lies only in its streams.
+"""Backup and restore of the whole: the database, the register of what was ended for good, and of a service on many
+machines what lies only in its streams.
 
 Acknowledged packets that no worker has stored yet are in the streams alone. They are read first, then the database in
 one view of it: what a worker stored and deleted from a stream in between is in that view, and what lies in both is left
@@ -12,7 +13,9 @@ from typing import Final
 import msgspec
 from sqlalchemy import Connection, Engine, make_url, select, update
 
+from app.accounts.audit_reading import note_ended
 from app.database import backup as archives
+from app.database import ended
 from app.database import engine as engines
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
@@ -31,13 +34,16 @@ def backup(engine: Engine, settings: Settings, path: Path) -> archives.Manifest:
     InvalidInput
         Workers have held sessions of this database, and NATS cannot be reached.
     """
+    register = ended.path_of(settings)
+    note_ended(engine, register)
+    more = {ended.ENTRY: ended.lines_of(register)}
     if not _has_partitions(engine):
-        return archives.backup(engine, path)
+        return archives.backup(engine, path, lambda _: more)
     # The client of NATS is of the extra `scaled`.
     from app.scaled.streams import read_all
 
     streams = read_all(settings)
-    return archives.backup(engine, path, lambda connection: dict(_not_stored(connection, streams)))
+    return archives.backup(engine, path, lambda connection: more | dict(_not_stored(connection, streams)))
 
 
 def restore(path: Path, settings: Settings) -> archives.Manifest:

@@ -98,7 +98,12 @@ def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def settings(tmp_path: Path, migrated_file: Path) -> Settings:
+def settings(settings_on_sqlite: Settings) -> Settings:
+    return settings_on_sqlite
+
+
+@pytest.fixture
+def settings_on_sqlite(tmp_path: Path, migrated_file: Path) -> Settings:
     shutil.copy(migrated_file, tmp_path / "telemotion.db")
     return Settings(
         _env_file=None,

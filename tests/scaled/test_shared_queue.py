@@ -14,8 +14,8 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
 from app.database.writer_lock import RunnerLock
-from app.ingest.upload import remove_orphans, upload_folder
 from app.recordings.analysis.jobs import JobContext, JobDone, JobRunner, run_job
+from app.recordings.files_in_passing import remove_orphans, upload_folder
 from app.recordings.models import Job, MotionSession
 from app.settings import Settings
 from tests.app.conftest import BASE_URL, build_world

@@ -15,16 +15,21 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Final, Protocol
 
 from sqlalchemy import CursorResult, Engine, select, update
+from sqlalchemy.orm import Session
 
 from app import logs, processes
+from app.accounts.audit_reading import note_ended
 from app.accounts.subject import Subject
+from app.database import ended
 from app.database import engine as engines
-from app.database.unit_of_work import read_only, unit_of_work
+from app.database.unit_of_work import after_commit, read_only, unit_of_work
 from app.errors import NotFound, TelemotionError
 from app.recordings.analysis.queue import FairQueue, Waiting
+from app.recordings.files_in_passing import SWEEP_S, remove_file, remove_orphans
 from app.recordings.models import Job, MotionSession, Result
 from app.sentences import say
 from app.settings import Settings
@@ -162,21 +167,28 @@ def run_job(
 def _finish(engine: Engine, context: JobContext, kind: str, status: str, message: str) -> None:
     with unit_of_work(engine) as session:
         job = session.get(Job, context.job_id)
-        if job is None or job.arguments.get("attempt") != context.attempt:
+        if job is not None and job.arguments.get("attempt") != context.attempt:
             # Another attempt runs: this one was taken for ended.
+            return
+        after_commit(session, partial(remove_file, context.settings, context.arguments))
+        if job is None:
             return
         job.status, job.message = status, message
         if status == "complete":
             job.progress = 1.0
             return
-        owner = session.get(MotionSession, job.session_id)
-        # A session that waits for this task must not wait for ever.
-        if owner is not None and owner.state == "closing":
-            owner.state, owner.state_reason = "failed", say("job.analysis_failed", reason=message)
+        _waits_no_more(session, job, message)
         result_id = context.arguments.get("result_id")
         result = session.get(Result, result_id) if isinstance(result_id, str) else None
         if result is not None and result.status == "running":
             result.status, result.message = "failed", message
+
+
+def _waits_no_more(session: Session, job: Job, message: str) -> None:
+    """End a session that waits for a task which has failed for good: it must not wait for ever."""
+    owner = session.get(MotionSession, job.session_id)
+    if owner is not None and owner.state == "closing":
+        owner.state, owner.state_reason = "failed", say("job.analysis_failed", reason=message)
 
 
 def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler, runner: str) -> None:
@@ -211,7 +223,8 @@ class JobRunner:
         self._settings = settings
         self._handlers = dict(handlers)
         self._runners = runners
-        self._looked_s = time.monotonic()
+        self._looked_s = self._swept_s = time.monotonic()
+        self._noted = 0
         self._queue = FairQueue(settings.job_workers)
         self._children: dict[str, processes.Child] = {}
         self._attendants: set[threading.Thread] = set()
@@ -253,6 +266,7 @@ class JobRunner:
             try:
                 if self._runners is not None and time.monotonic() - self._looked_s > LOOK_S:
                     self._take_up()
+                self._sweep_when_due()
                 has_begun = self._begin_next()
             except Exception:
                 logger.exception("the task queue stumbled; it goes on")
@@ -260,6 +274,14 @@ class JobRunner:
             if not has_begun:
                 self._wake.wait(POLL_S)
                 self._wake.clear()
+
+    def _sweep_when_due(self) -> None:
+        """Remove files that nobody needs, and copy into the register what was ended for good on other machines."""
+        if time.monotonic() - self._swept_s < SWEEP_S:
+            return
+        self._swept_s = time.monotonic()
+        remove_orphans(self._engine, self._settings, SWEEP_S)
+        self._noted = note_ended(self._engine, ended.path_of(self._settings), self._noted)
 
     def _take_up(self) -> None:
         """Queue again what ran where nobody runs it any more."""
@@ -272,7 +294,7 @@ class JobRunner:
                     with unit_of_work(self._engine) as session:
                         job = session.get(Job, job_id)
                         if job is not None and job.status == "running":
-                            self._interrupted(job)
+                            self._interrupted(session, job)
 
     def _has_ended(self, job_id: str, key: str) -> AbstractContextManager[bool]:
         if self._runners is None or key in ("", self._runners.key):
@@ -309,9 +331,10 @@ class JobRunner:
         job_id = waiting.job_id
         handler = self._handlers.get(waiting.kind)
         if handler is None:
-            message = say("job.unknown_kind", kind=waiting.kind)
             with unit_of_work(self._engine) as session:
-                session.execute(update(Job).where(Job.id == job_id).values(status="failed", message=message))
+                job = session.get_one(Job, job_id)
+                job.status, job.message = "failed", say("job.unknown_kind", kind=waiting.kind)
+                after_commit(session, partial(remove_file, self._settings, job.arguments))
             return None
         memory_bytes = self._settings.job_memory_bytes
         with self._lock:
@@ -343,18 +366,20 @@ class JobRunner:
             job = session.get(Job, job_id)
             if job is None:
                 return None
-            self._interrupted(job)
+            self._interrupted(session, job)
             if job.status != "failed":
                 return None
             return JobDone(job.id, job.session_id, job.kind, job.status, job.message)
 
-    def _interrupted(self, job: Job) -> None:
+    def _interrupted(self, session: Session, job: Job) -> None:
         """Queue a task again, unless that was tried often enough."""
         if job.is_retryable and int(job.arguments.get("attempt", 0)) < MAX_ATTEMPTS:
             job.status, job.progress, job.message = "queued", 0.0, say("job.interrupted")
         elif job.status != "queued":
             job.status = "failed"
             job.message = say("job.given_up")
+            _waits_no_more(session, job, job.message)
+            after_commit(session, partial(remove_file, self._settings, job.arguments))
 
     def _report(self, done: JobDone) -> None:
         for callback in self._subscribers:

@@ -22,11 +22,12 @@ from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Prescription
 from app.exercises.schemas import TemplateIn
 from app.gateway.encoding import stream_of
-from app.ingest.upload import register, upload_folder
+from app.ingest.upload import register
 from app.ingest.upload_task import upload
 from app.network.packet_log import log_entry, log_head
 from app.patients.models import Grant, Patient
 from app.recordings.analysis.jobs import run_job
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import Job, MagneticSource, MotionSession, SessionEvent
 from app.recordings.schemas import UploadIn
 from app.settings import Settings

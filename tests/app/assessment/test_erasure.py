@@ -10,9 +10,9 @@ from app.database.base import new_id, utc_now
 from app.database.engine import forget_deleted
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription, Template, TemplateVersion
-from app.ingest.upload import upload_folder
 from app.patients.models import Grant, Mounting, Patient
 from app.recordings.analysis.jobs import JobRunner
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 
 from .history import History

@@ -13,7 +13,7 @@ from app.accounts.models import AuditEvent
 from app.assessment.exports.patient import export
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Template
-from app.ingest.upload import upload_folder
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import Job, MotionSession, SessionEvent
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.codecs import checksum

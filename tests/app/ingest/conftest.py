@@ -8,8 +8,9 @@ import pytest
 from sqlalchemy import Engine
 
 from app import readers
-from app.ingest.upload import register, upload_folder
+from app.ingest.upload import register
 from app.network.packet_log import write_log
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.schemas import UploadIn
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm

@@ -11,10 +11,10 @@ from sqlalchemy import Engine, select
 from app import readers
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
-from app.ingest.upload import remove_orphans, upload_folder
 from app.ingest.upload_task import upload
 from app.network.packet_log import write_log
 from app.recordings.analysis.jobs import run_job
+from app.recordings.files_in_passing import remove_orphans, upload_folder
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.signals.store import read_frames, read_packets, stored_ranges
 from app.settings import Settings

@@ -13,9 +13,9 @@ from sqlalchemy import Engine, select
 from app import readers
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only
-from app.ingest.upload import upload_folder
 from app.readers.tables.schemas import CsvMapping
 from app.recordings.analysis.jobs import JobRunner
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession
 from app.settings import Settings
 from tests.app.ingest.uploads import declare

@@ -12,11 +12,12 @@ from sqlalchemy import Engine, select
 from app import readers
 from app.assessment.comparisons import compare_task
 from app.database.unit_of_work import read_only
-from app.ingest.upload import register, upload_folder
+from app.ingest.upload import register
 from app.ingest.upload_task import upload
 from app.network.packet_log import write_log
 from app.recordings.analysis.jobs import JobRunner, run_job
 from app.recordings.analysis.reprocess import reprocess
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import Job
 from app.recordings.schemas import UploadIn
 from app.settings import Settings

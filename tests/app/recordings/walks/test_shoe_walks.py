@@ -10,11 +10,12 @@ from sqlalchemy import Engine, select
 
 from app.database.unit_of_work import read_only
 from app.errors import RecordingFormatError
-from app.ingest.upload import register, upload_folder
+from app.ingest.upload import register
 from app.ingest.upload_task import upload
 from app.kinds.walk.shoes import SHOES_STREAM
 from app.readers import guess, read, write_instrumented_shoe
 from app.recordings.analysis.jobs import run_job
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import SignalChunk
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.store import read_frames

@@ -16,11 +16,12 @@ from app.assessment.walk_progress import walk_values
 from app.database import migrate
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
-from app.ingest.upload import register, upload_folder
+from app.ingest.upload import register
 from app.ingest.upload_task import upload
 from app.kinds.walk.stored import recording_of, walk_stream
 from app.recordings import service
 from app.recordings.analysis.jobs import run_job
+from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.schemas import ReprocessIn, UploadIn
 from app.recordings.signals.store import read_frames

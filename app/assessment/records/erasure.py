@@ -1,10 +1,9 @@
 """Erasing a patient for good: master data, recordings, results, comparisons, accounts, files in passing.
 
 It is here and not in `patients` because it must know of recordings: nothing may be at work on them. The audit trail
-stays (`app.accounts.audit`), backups too: they are erased by their age (see the page on operations).
+stays (`app.accounts.audit`), backups too: they are erased by their age (see the page on operations), and what a restore
+brings back is erased again (`app.assessment.records.ended_again`).
 """
-
-from pathlib import Path
 
 from sqlalchemy import Engine, delete, exists, func, select, update
 from sqlalchemy.orm import Session
@@ -15,9 +14,10 @@ from app.database.engine import forget_deleted
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
 from app.exercises.models import Prescription, Template, TemplateVersion
-from app.ingest.upload import upload_folder
 from app.patients import repository as patients
 from app.patients.access import require_patient
+from app.patients.models import Patient
+from app.recordings.files_in_passing import remove_files_of
 from app.recordings.models import Job, MotionSession
 from app.sentences import say
 from app.settings import Settings
@@ -54,13 +54,26 @@ def erase(engine: Engine, settings: Settings, subject: Subject, patient_id: str)
         if patient.archived_at is None:
             raise Conflict(say("patient.archive_first"), archived=False)
         _require_rest(session, patient_id)
-        files = _uploaded_files(session, settings, patient_id)
-        erase_templates_from(session, patient_id)
-        count = session.scalar(select(func.count()).where(MotionSession.patient_id == patient_id)) or 0
-        patients.erase_patient(session, subject, patient, {"sessions": count})
-    for file in files:
-        file.unlink(missing_ok=True)
+        erase_now(session, settings, subject, patient)
     forget_deleted(engine)
+
+
+def erase_now(session: Session, settings: Settings, subject: Subject, patient: Patient) -> None:
+    """Delete a patient with everything, whatever its state; the caller has checked the right and that it rests.
+
+    Parameters
+    ----------
+    session : Session
+        Writing. Files go once it is committed.
+    settings : Settings
+    subject : Subject
+    patient : Patient
+    """
+    own = select(MotionSession.id).where(MotionSession.patient_id == patient.id)
+    remove_files_of(session, settings, own)
+    erase_templates_from(session, patient.id)
+    count = session.scalar(select(func.count()).where(MotionSession.patient_id == patient.id)) or 0
+    patients.erase_patient(session, subject, patient, {"sessions": count})
 
 
 def erase_templates_from(session: Session, patient_id: str) -> None:
@@ -98,15 +111,4 @@ def _require_rest(session: Session, patient_id: str) -> None:
         raise Conflict(say("patient.being_analysed"), reason="analysis")
 
 
-def _uploaded_files(session: Session, settings: Settings, patient_id: str) -> list[Path]:
-    """Return files that were received and not yet taken into the database."""
-    jobs = session.scalars(
-        select(Job)
-        .join(MotionSession, MotionSession.id == Job.session_id)
-        .where(MotionSession.patient_id == patient_id, Job.kind == "upload")
-    )
-    names = [job.arguments.get("file") for job in jobs]
-    return [upload_folder(settings) / Path(name).name for name in names if isinstance(name, str)]
-
-
-__all__ = ["erase"]
+__all__ = ["erase", "erase_now"]

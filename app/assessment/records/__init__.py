@@ -1,0 +1,1 @@
+"""Patients' records as a whole: erased, ended again after a restore, put right."""
