@@ -19,7 +19,9 @@ import { createRoot } from 'react-dom/client';
 import { RouterProvider } from 'react-router';
 import { ApiError } from './api/client';
 import { keys, meQuery } from './api/queries';
+import { wantedSignOut, type SignOutReason } from './api/signOut';
 import { router } from './App';
+import { SignedOutFirst } from './components/account/SignedOutFirst';
 import { isNotFetched } from './lib/browser/pieces';
 import { theme } from './theme';
 
@@ -44,6 +46,9 @@ queryClient.getQueryCache().config.onError = (error) => {
   if (error instanceof ApiError && error.status === 401) queryClient.setQueryData(keys.me, null);
 };
 
+const toSignIn = (reason: SignOutReason) =>
+  void router.navigate(reason === 'idle' ? '/sign-in?ended=idle' : '/sign-in', { replace: true });
+
 const root = document.getElementById('root');
 if (!root) throw new Error('index.html has no element #root');
 function draw(element: HTMLElement): void {
@@ -51,7 +56,9 @@ function draw(element: HTMLElement): void {
     <StrictMode>
       <MantineProvider theme={theme} defaultColorScheme="light">
         <QueryClientProvider client={queryClient}>
-          <RouterProvider router={router} />
+          <SignedOutFirst onEnded={toSignIn}>
+            <RouterProvider router={router} />
+          </SignedOutFirst>
         </QueryClientProvider>
       </MantineProvider>
     </StrictMode>,
@@ -60,5 +67,5 @@ function draw(element: HTMLElement): void {
 
 // Asked while the words are still coming. Not awaited at the top: pieces that share code with an entry that waits are cut apart,
 // which costs the patient's pages 14 kB.
-void queryClient.prefetchQuery(meQuery);
+if (!wantedSignOut()) void queryClient.prefetchQuery(meQuery);
 void firstWords.then(() => draw(root));

@@ -69,10 +69,11 @@ async function json<T>(response: Response): Promise<T> {
 }
 
 function change(method: string) {
-  return async <T>(path: string, body?: unknown): Promise<T> =>
+  return async <T>(path: string, body?: unknown, signal?: AbortSignal): Promise<T> =>
     json<T>(
       await send(path, {
         method,
+        signal,
         headers: {
           'X-CSRF-Token': csrfToken,
           ...(body === undefined ? {} : { 'Content-Type': 'application/json' }),

@@ -94,14 +94,6 @@ export function useSignIn() {
   });
 }
 
-export function useSignOut() {
-  const client = useQueryClient();
-  return useMutation({
-    mutationFn: () => api.post<void>('/api/sign-out'),
-    onSettled: () => forgetEverything(client),
-  });
-}
-
 /** After signing out nothing of the patient data may stay in memory. */
 export function forgetEverything(client: QueryClient): void {
   stopMeasuring();

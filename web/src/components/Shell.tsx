@@ -3,7 +3,8 @@ import { ActionIcon, Button, Menu, useComputedColorScheme, useMantineColorScheme
 import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-react';
 import { useEffect, useRef } from 'react';
 import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react-router';
-import { useMe, useSignOut } from '../api/queries';
+import { useMe } from '../api/queries';
+import { wantSignOut } from '../api/signOut';
 import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
@@ -39,7 +40,6 @@ export function Wordmark() {
 /** Pages for signed-in people only; everybody else is sent to sign in and comes back afterwards. */
 export function Shell() {
   const me = useMe();
-  const signOut = useSignOut();
   const navigate = useNavigate();
   const location = useLocation();
   const main = useRef<HTMLElement>(null);
@@ -134,7 +134,7 @@ export function Shell() {
                   </Menu.Item>
                 ))}
                 <Menu.Divider />
-                <Menu.Item onClick={() => signOut.mutate()}>{t('action.signOut')}</Menu.Item>
+                <Menu.Item onClick={() => wantSignOut('asked')}>{t('action.signOut')}</Menu.Item>
               </Menu.Dropdown>
             </Menu>
             <Menu position="bottom-end" width={260}>
@@ -151,7 +151,7 @@ export function Shell() {
                   </Menu.Item>
                 ))}
                 <Menu.Divider />
-                <Menu.Item fz="md" py={12} onClick={() => signOut.mutate()}>
+                <Menu.Item fz="md" py={12} onClick={() => wantSignOut('asked')}>
                   {t('action.signOut')}
                 </Menu.Item>
               </Menu.Dropdown>

@@ -1,7 +1,10 @@
+import { MantineProvider } from '@mantine/core';
 import { act, render, screen } from '@testing-library/react';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { SignedOutFirst } from '../../src/components/account/SignedOutFirst';
+import type { SignOutReason } from '../../src/api/signOut';
 import { IdleWatch } from '../../src/components/account/IdleWatch';
 import { idleSeconds } from '../../src/lib/browser/idle';
 
@@ -19,10 +22,15 @@ beforeEach(() => {
     { path: '/', element: <IdleWatch minutes={10} /> },
     { path: '/sign-in', element: <p>signed out</p> },
   ]);
+  const onEnded = (reason: SignOutReason) => void router.navigate(`/sign-in?ended=${reason}`, { replace: true });
   render(
-    <QueryClientProvider client={new QueryClient()}>
-      <RouterProvider router={router} />
-    </QueryClientProvider>,
+    <MantineProvider env="test">
+      <QueryClientProvider client={new QueryClient()}>
+        <SignedOutFirst onEnded={onEnded}>
+          <RouterProvider router={router} />
+        </SignedOutFirst>
+      </QueryClientProvider>
+    </MantineProvider>,
   );
   act(() => void window.dispatchEvent(new Event('pointerdown')));
 });

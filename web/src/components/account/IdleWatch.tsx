@@ -1,9 +1,7 @@
 // Warns before a browser that nobody uses is signed out, says so when it was, and keeps one signed in that is used.
-import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
-import { useNavigate } from 'react-router';
 import { api } from '../../api/client';
-import { forgetEverything } from '../../api/queries';
+import { wantSignOut } from '../../api/signOut';
 import { t } from '../../i18n';
 import { idleSeconds, listenForUse } from '../../lib/browser/idle';
 
@@ -15,8 +13,6 @@ const REPORT_EVERY_S = 60;
 const reportEveryS = (minutes: number) => Math.min(REPORT_EVERY_S, minutes * 15);
 
 export function IdleWatch({ minutes }: { minutes: number }) {
-  const client = useQueryClient();
-  const navigate = useNavigate();
   const [leftS, setLeftS] = useState<number | null>(null);
   useEffect(() => {
     const stop = listenForUse(window);
@@ -26,9 +22,7 @@ export function IdleWatch({ minutes }: { minutes: number }) {
       const untilS = minutes * 60 - idleS;
       setLeftS(untilS <= Math.min(WARN_S, minutes * 30) ? Math.max(0, untilS) : null);
       if (untilS <= 0) {
-        void api.post('/api/sign-out').catch(() => undefined);
-        forgetEverything(client);
-        void navigate('/sign-in?ended=idle', { replace: true });
+        wantSignOut('idle');
       } else if (idleS < reportEveryS(minutes) && Date.now() - reportedAt > reportEveryS(minutes) * 1000) {
         // Watching asks for nothing over HTTP: without this, a page in use would end like one that is not.
         reportedAt = Date.now();
@@ -44,7 +38,7 @@ export function IdleWatch({ minutes }: { minutes: number }) {
       window.removeEventListener('pointerdown', look);
       window.removeEventListener('keydown', look);
     };
-  }, [client, minutes, navigate]);
+  }, [minutes]);
   if (leftS === null) return null;
   return (
     <div className="idle-warning" role="alert">

@@ -103,6 +103,10 @@ export const common: Translated<typeof english> = {
     'Sie wurden abgemeldet, weil diese Seite eine Weile nicht benutzt wurde. Sitzungen, die gerade übertragen wurden, laufen ohne sie weiter.',
   'idle.warning':
     'Sie werden bald abgemeldet: Diese Seite wurde seit fast {minutes} Minuten nicht benutzt. Bewegen Sie die Maus, berühren Sie den Bildschirm oder drücken Sie eine Taste, um angemeldet zu bleiben.',
+  'signOut.trying': 'Sie werden abgemeldet …',
+  'signOut.still': 'Sie sind auf diesem Gerät noch angemeldet',
+  'signOut.stillText':
+    'Der Dienst war nicht erreichbar und hat Sie noch nicht abgemeldet. Lassen Sie diese Seite offen: Sie werden abgemeldet, sobald es wieder eine Verbindung gibt. Bis dahin zeigt sie nichts anderes, auch wenn jemand sie neu öffnet.',
   'signIn.promise': 'Übungen zu Hause, verglichen mit der Bewegung, die Ihnen in der Therapie gezeigt wurde.',
   'signIn.help': 'Passwort vergessen? Die Verwaltung Ihrer Praxis kann Ihnen ein neues geben.',
 

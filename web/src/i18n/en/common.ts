@@ -96,6 +96,10 @@ export const common = {
     'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
   'idle.warning':
     'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
+  'signOut.trying': 'Signing you out …',
+  'signOut.still': 'You are still signed in on this device',
+  'signOut.stillText':
+    'The service could not be reached, so it has not signed you out. Leave this page open: it signs you out as soon as there is a connection, and shows nothing else until then. Whoever opens it before that sees this page.',
   'signIn.promise': 'Exercises at home, compared with the movement that the therapist showed.',
   'signIn.help': 'Forgotten your password? An administrator of your clinic can give you a new one.',
 
