@@ -164,7 +164,7 @@ class Settings(BaseSettings):
     )
     limit_views: Allowed = Field(
         default=Allowance(6, 16, 32),
-        description="3D scenes at once: of one account / of one clinic / of the whole service.",
+        description="3D views at once: of one account / of one clinic / of the whole service.",
     )
     limit_streams: Allowed = Field(
         default=Allowance(32, 64, 128),

@@ -73,7 +73,10 @@ async def control(websocket: WebSocket, view_id: str) -> None:
     hold = services_of(websocket).limits.take("sockets", subject)
     try:
         await websocket.accept()
-        await until_one_ends(_commands(websocket, viewer, view), keep_checking(websocket, viewer, view_id))
+        with view.watched():
+            await until_one_ends(
+                _commands(websocket, viewer, view), keep_checking(websocket, viewer, view_id)
+            )
     except TelemotionError as error:
         await _say_why(websocket, error)
         raise

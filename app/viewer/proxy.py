@@ -52,6 +52,11 @@ async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id:
     view = await viewer.check(subject, view_id)
     if wire.PROTOCOL not in websocket.scope.get("subprotocols", []):
         raise InvalidInput(say("viewer.protocol", version=wire.PROTOCOL))
+    with view.watched():
+        await _relay(websocket, viewer, view)
+
+
+async def _relay(websocket: WebSocket, viewer: Viewer, view: View) -> None:
     stage = await viewer.stage_of(view)
     try:
         upstream = await connect(

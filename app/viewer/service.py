@@ -1,14 +1,16 @@
 """Views: who opened which, the stages they are shown on, and when both end.
 
-A view belongs to the account that opened it. Live views of one session share a stage; a replay has its own.
-A stage without watchers is taken down after a minute and built again when somebody comes back.
+A view belongs to the account that opened it, and takes a place of its account's and its clinic's until nobody has
+watched it for a minute. Live views of one session share a stage, and each has its own place; a replay has its own
+stage. A stage without a view that has a place is taken down, and built again when somebody comes back. Room is made by
+what the same account does not watch, never by what others have open.
 """
 
 import asyncio
 import contextlib
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any, Final
@@ -32,7 +34,8 @@ from app.viewer.stage import Stage, theme_messages
 logger = logging.getLogger(__name__)
 
 VIEW_LIFE: Final = timedelta(hours=12)
-MAX_VIEWS: Final = 1000
+MOST_OF_ACCOUNT: Final = 20
+"""Views that one account may come back to; a further one takes the place of its oldest that nobody watches."""
 UNWATCHED_S: Final = 60.0
 CHECK_RIGHT_EVERY_S: Final = 5.0
 NO_SUCH_VIEW: Final = say("viewer.not_found")
@@ -54,6 +57,10 @@ class View:
         Last pose that the page reported.
     pages : set of callable
         Take packed messages for this view's own pages.
+    hold : Hold or None
+        Its place among those of its account, its clinic and the service.
+    watchers : int
+        Open sockets of its page and its controls.
     """
 
     target: ViewTarget
@@ -65,6 +72,25 @@ class View:
     is_dark: bool = False
     shows_ghost: bool = True
     pages: set[Inject] = field(default_factory=set)
+    hold: Hold | None = None
+    watchers: int = 0
+    unwatched_since: float = field(default_factory=time.monotonic)
+
+    @contextlib.contextmanager
+    def watched(self) -> Iterator[None]:
+        """Count a socket while it is open."""
+        self.watchers += 1
+        try:
+            yield
+        finally:
+            self.watchers -= 1
+            self.unwatched_since = time.monotonic()
+
+    def release(self) -> None:
+        """Give the place back."""
+        if self.hold is not None:
+            self.hold.release()
+            self.hold = None
 
     @property
     def stage_key(self) -> tuple[str, ...]:
@@ -113,7 +139,6 @@ class Viewer:
         self.check_right_every_s = check_right_every_s
         self._views: dict[str, View] = {}
         self._stages: dict[tuple[str, ...], Stage] = {}
-        self._holds: dict[tuple[str, ...], Hold] = {}
         self._building: dict[tuple[str, ...], asyncio.Task[Stage]] = {}
         self._sweeper: asyncio.Task[None] | None = None
 
@@ -131,9 +156,8 @@ class Viewer:
                 await task
         stages = list(self._stages.values())
         self._stages.clear()
-        for hold in self._holds.values():
-            hold.release()
-        self._holds.clear()
+        for view in self._views.values():
+            view.release()
         self._views.clear()
         await asyncio.gather(*(stage.close() for stage in stages))
 
@@ -154,10 +178,16 @@ class Viewer:
         """
         target = await asyncio.to_thread(repository.find_target, self._engine, subject, session_id, wanted)
         view = View(target=target, owner=subject)
-        await self.stage_of(view)
-        while len(self._views) >= MAX_VIEWS:
-            self._views.pop(next(iter(self._views)))
         self._views[view.id] = view
+        try:
+            await self.stage_of(view)
+        except BaseException:
+            self._forget(view)
+            raise
+        own = [one for one in self._views.values() if one.owner.id == subject.id and one is not view]
+        unwatched = [one for one in own if one.watchers == 0]
+        for one in unwatched[: max(0, len(own) + 1 - MOST_OF_ACCOUNT)]:
+            self._forget(one)
         return ViewOut(
             id=view.id,
             page_path=f"/viewer/{view.id}/",
@@ -198,16 +228,16 @@ class Viewer:
             Too many scenes are open, see `app.limits`.
         """
         key = view.stage_key
+        if view.hold is None:
+            try:
+                view.hold = self._limits.take("views", view.owner)
+            except (LimitReached, Unavailable):
+                self._release_unwatched(0.0, view.owner)
+                view.hold = self._limits.take("views", view.owner)
+                await self._close_unused()
         if key in self._stages:
             return self._stages[key]
         if key not in self._building:
-            try:
-                hold = self._limits.take("views", view.owner)
-            except (LimitReached, Unavailable):
-                # Scenes that nobody looks at make room first.
-                await self._sweep(unwatched_s=0.0)
-                hold = self._limits.take("views", view.owner)
-            self._holds[key] = hold
             self._building[key] = asyncio.create_task(self._build(key, view.target), name="viewer stage")
         return await asyncio.shield(self._building[key])
 
@@ -218,9 +248,6 @@ class Viewer:
             )
             self._stages[key] = stage
             return stage
-        except BaseException:
-            self._holds.pop(key).release()
-            raise
         finally:
             self._building.pop(key, None)
 
@@ -270,17 +297,32 @@ class Viewer:
                 logger.exception("cannot take an unwatched 3D view down")
 
     async def _sweep(self, unwatched_s: float) -> None:
-        now = time.monotonic()
         for view in [v for v in self._views.values() if v.expires_at <= utc_now()]:
-            self._views.pop(view.id, None)
+            self._forget(view)
+        self._release_unwatched(unwatched_s)
+        await self._close_unused()
+
+    def _forget(self, view: View) -> None:
+        self._views.pop(view.id, None)
+        view.release()
+
+    def _release_unwatched(self, unwatched_s: float, owner: Subject | None = None) -> None:
+        """Give back the places of views that nobody watches, of one account or of all."""
+        now = time.monotonic()
+        for view in self._views.values():
+            is_idle = view.watchers == 0 and now - view.unwatched_since >= unwatched_s
+            is_asked = owner is None or view.owner.id == owner.id
+            if is_idle and is_asked and view.stage_key not in self._building:
+                view.release()
+
+    async def _close_unused(self) -> None:
+        """Take down the stages of which no view has a place."""
+        in_use = {view.stage_key for view in self._views.values() if view.hold is not None}
         idle = {
-            key: stage
-            for key, stage in self._stages.items()
-            if stage.watchers == 0 and now - stage.unwatched_since >= unwatched_s
+            key: stage for key, stage in self._stages.items() if key not in in_use and stage.watchers == 0
         }
         # All at once, before anything is awaited: another request may sweep meanwhile, or come to watch.
         for key in idle:
             del self._stages[key]
-            self._holds.pop(key).release()
         for stage in idle.values():
             await stage.close()

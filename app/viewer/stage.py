@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import time
 from collections.abc import Iterable
 from typing import Any, Final
 
@@ -112,7 +111,6 @@ class Stage:
             )
         self._task: asyncio.Task[None] | None = None
         self._watchers = 0
-        self.unwatched_since = time.monotonic()
 
     def look(self, name: Preset, aspect: float) -> Camera:
         """Return a point of view that fits what is shown; see `preset`."""
@@ -156,10 +154,8 @@ class Stage:
     def leave(self) -> None:
         """Count a watcher out; without any nothing is drawn."""
         self._watchers -= 1
-        if self._watchers == 0:
-            self.unwatched_since = time.monotonic()
-            if self._task is not None:
-                self._task.cancel()
+        if self._watchers == 0 and self._task is not None:
+            self._task.cancel()
 
     async def close(self) -> None:
         """Stop drawing and take the server down."""

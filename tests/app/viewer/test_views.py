@@ -8,9 +8,10 @@ import pytest
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import unit_of_work
 from app.patients.models import Grant
+from app.recordings.schemas import ViewIn
 from app.settings import Allowance
 from app.viewer.page import build_page
-from app.viewer.service import Viewer
+from app.viewer.service import MOST_OF_ACCOUNT, Viewer
 
 
 def test_a_therapist_opens_a_replay(therapist, open_view) -> None:
@@ -115,13 +116,12 @@ def test_too_many_scenes_are_refused_and_say_when_to_come_back(
 ) -> None:
     services.limits._allowances["views"] = Allowance(1, 2, 3)
     opened = open_view(therapist)
-    stage = next(iter(services.get(Viewer)._stages.values()))
-    stage._watchers = 1  # somebody looks at it, so it cannot be taken down for the next one
-    answer = therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"})
+    view = services.get(Viewer)._views[opened["id"]]
+    with view.watched():  # somebody looks at it, so it cannot be taken down for the next one
+        answer = therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"})
     assert (answer.status_code, answer.json()["code"]) == (429, "limit_reached")
     assert "Close one" in answer.json()["message"]
     assert "Retry-After" in answer.headers
-    stage._watchers = 0
     assert (
         therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"}).status_code
         == 201
@@ -151,10 +151,49 @@ def test_live_views_share_a_scene_and_replays_do_not(therapist, sign_in, open_vi
     open_view(therapist, "live")
     open_view(sign_in("reader"), "live")
     assert services.get(Viewer).stage_count == 1
-    assert services.limits.held("views", "service") == 1
+    assert services.limits.held("views", "service") == 2, "each has a place of its own account's"
     open_view(therapist)
     open_view(therapist)
     assert services.get(Viewer).stage_count == 3
+
+
+def test_a_thousand_views_of_one_account_end_nobody_elses(
+    therapist, sign_in, open_view, services, recorded, nobody, monkeypatch
+) -> None:
+    """Not of another account, another language or another clinic; what she watches herself stays too."""
+    viewer = services.get(Viewer)
+    others = [open_view(sign_in("reader"), mode, language="de") for mode in ("live", "replay")]
+    watched = viewer._views[open_view(therapist, "live")["id"]]
+    first = open_view(therapist, "live")
+    subject = watched.owner
+    # The right is looked up once: a thousand events of the audit take their time.
+    monkeypatch.setattr("app.viewer.service.repository.find_target", lambda *_: watched.target)
+
+    async def open_many() -> list[str]:
+        wanted = ViewIn(mode="live")
+        return [(await viewer.open(subject, recorded.live_session_id, wanted)).id for _ in range(1001)]
+
+    with watched.watched():
+        made = nobody.portal.call(open_many)
+    assert all(sign_in("reader").get(other["page_path"]).status_code == 200 for other in others)
+    assert therapist.get(first["page_path"]).status_code == 404
+    assert therapist.get(f"/viewer/{made[-1]}/").status_code == 200
+    assert watched.id in viewer._views
+    assert sum(one.owner.id == subject.id for one in viewer._views.values()) == MOST_OF_ACCOUNT
+    assert services.limits.held("views", "account", subject.id) <= services.settings.limit_views.account
+    assert viewer.stage_count == 3, "nobody else's scene was taken down, and hers was built once"
+
+
+def test_a_full_clinic_refuses_and_takes_down_nobody_elses_scene(
+    therapist, sign_in, open_view, services, recorded
+) -> None:
+    services.limits._allowances["views"] = Allowance(2, 2, 9)
+    open_view(therapist)
+    open_view(therapist)
+    wanted = {"mode": "replay"}
+    answer = sign_in("reader").post(f"/api/sessions/{recorded.session_id}/views", json=wanted)
+    assert (answer.status_code, answer.json()["details"]["scope"]) == (429, "clinic")
+    assert services.get(Viewer).stage_count == 2
 
 
 def test_live_views_in_two_languages_are_two_scenes(therapist, open_view, services) -> None:
