@@ -28,6 +28,7 @@ from app.assessment.design.endpoints import router as design_router
 from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
 from app.assessment.records import ended_again
+from app.assessment.records.endpoints import router as records_router
 from app.database import ended
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
@@ -295,6 +296,7 @@ def all_routers() -> list[APIRouter]:
         assessment_router,
         design_router,
         course_router,
+        records_router,
         follow_up_router,
         accuracy_router,
         demonstration_router,

@@ -102,6 +102,7 @@ def compare_task(context: JobContext) -> str:
     message = ""
     with read_only(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
+        of_whom = _of_whom(found)
         named = context.arguments.get("template_version_id")
         version = (
             session.get(TemplateVersion, named)
@@ -125,6 +126,9 @@ def compare_task(context: JobContext) -> str:
         counts = _counted(session, found, work) if close and found.purpose == "exercise" else None
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
+        if _of_whom(found) != of_whom:
+            # It was moved meanwhile; whoever did that has queued another comparison.
+            return say("comparison.no_template")
         if counts is not None:
             found.valid_repetitions, found.active_s = counts
         if work is not None:
@@ -134,6 +138,11 @@ def compare_task(context: JobContext) -> str:
         if close and found.state == "closing":
             _conclude(session, found, message if work is None and version is not None else "")
     return message
+
+
+def _of_whom(found: MotionSession) -> tuple[str | None, ...]:
+    """Return what a comparison depends on and somebody may put right meanwhile."""
+    return found.patient_id, found.exercise_id, found.prescription_id
 
 
 def _counted(session: Session, found: MotionSession, work: _Work | None) -> Practised | None:

@@ -25,6 +25,7 @@ ENTRY: Final = "register"
 ACTIONS: Final = (
     "patient.erase",
     "session.delete",
+    "session.move_in",
     "device_token.revoke",
     "grant.revoke",
     "consent.change",

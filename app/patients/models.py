@@ -24,6 +24,8 @@ class Patient(Identified, Base):
     body_dimensions: Mapped[dict[str, float]] = mapped_column(JSON, default=dict)
     """Fields of `estimators.pipelines.BodyDimensions` that were measured."""
     archived_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    merged_into_id: Mapped[str | None] = mapped_column(String(32))
+    """The record of the same person that took everything over; this one is empty."""
 
 
 class Mounting(Identified, Base):

@@ -150,6 +150,8 @@ def set_archived(session: Session, subject: Subject, patient: Patient, is_archiv
     if (patient.archived_at is not None) == is_archived:
         return
     patient.archived_at = utc_now() if is_archived else None
+    if not is_archived:
+        patient.merged_into_id = None
     action = "patient.archive" if is_archived else "patient.unarchive"
     audit.record(session, subject, action, patient.id, patient.id)
     session.flush()

@@ -74,6 +74,8 @@ class PatientOut(PatientIn):
     id: str
     created_at: datetime
     archived_at: datetime | None
+    merged_into_id: str | None = None
+    """The record of the same person that took everything over; this one is empty and archived."""
     has_mounting: bool
     mounting: MountingOut | None = None
     """The remembered one; only where a single patient is asked for."""

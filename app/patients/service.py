@@ -204,6 +204,7 @@ def _out(subject: Subject, patient: Patient, has_mounting: bool, may_treat: bool
         id=patient.id,
         created_at=patient.created_at,
         archived_at=patient.archived_at,
+        merged_into_id=patient.merged_into_id,
         given_name=patient.given_name,
         family_name=patient.family_name,
         birth_date=patient.birth_date,

@@ -28,6 +28,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "result.not_found": "This session has no such result.",
     "job.not_found": "Task not found.",
     "session.delete_live": "This session is live; end it before deleting it.",
+    "session.move_live": "A session is live or being analysed; wait until that has ended, then move it.",
+    "session.move_template": "The patient's own template “{name}” was made from this session: it would show"
+    " somebody else's movement. Retire the template and record another one first.",
+    "session.nothing_to_move": "Choose another patient or another exercise.",
+    "session.reason_needed": "Write why.",
+    "session.moved": "Moved here from another patient's record. {reason}",
+    "session.exercise_changed": "The exercise of this session was changed. {reason}",
     "source.not_found": "Magnetic source not found in your clinic.",
     "session.no_samples": "This session holds no samples.",
     "markers.limit": "This session holds as many marker files as it may ({limit_bytes:mib}).",

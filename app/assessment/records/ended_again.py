@@ -16,6 +16,7 @@ from app.accounts import audit
 from app.accounts.credentials.sign_in import end_all_sign_ins
 from app.accounts.models import Account, AuditEvent, Consent, DeviceToken
 from app.accounts.subject import Subject
+from app.assessment.records import moving
 from app.assessment.records.erasure import erase_now
 from app.database.ended import ACTIONS, Ended
 from app.database.engine import forget_deleted
@@ -43,8 +44,8 @@ def apply(engine: Engine, settings: Settings, entries: Sequence[Ended]) -> Count
     Returns
     -------
     Counter of str
-        How many: `patients`, `sessions`, `tokens`, `grants`, `consents`, `accounts`; and `passwords` of accounts that
-        had another one later than the database knows, which nobody can bring back.
+        How many: `patients`, `sessions`, `moves`, `tokens`, `grants`, `consents`, `accounts`; and `passwords` of
+        accounts that had another one later than the database knows, which nobody can bring back.
     """
     done: Counter[str] = Counter()
     with read_only(engine) as session:
@@ -65,6 +66,8 @@ def apply(engine: Engine, settings: Settings, entries: Sequence[Ended]) -> Count
 def _key(entry: Ended) -> tuple[object, ...]:
     """Return what an event is about: of several, the newest says how it is."""
     what = entry.action.partition("_")[0] if entry.action.startswith("account.") else entry.action
+    if entry.action == "session.move_in":
+        return what, entry.resource_id
     return what, entry.patient_id, entry.resource_id, entry.details.get("purpose")
 
 
@@ -77,8 +80,10 @@ def in_words(done: Counter[str]) -> str:
         From `apply`.
     """
     erased = [f"{done[name]} {name}" for name in ("patients", "sessions") if done[name]]
+    moved = [f"moved again: {done['moves']} sessions"] if done["moves"] else []
     revoked = [f"{done[name]} {name}" for name in ("tokens", "grants", "consents", "accounts") if done[name]]
     parts = [f"erased again: {', '.join(erased)}"] if erased else []
+    parts += moved
     parts += [f"revoked: {', '.join(revoked)}"] if revoked else []
     if done["passwords"]:
         parts.append(f"{done['passwords']} accounts have an older password again, give them a new one")
@@ -103,6 +108,9 @@ def _apply(session: Session, settings: Settings, entry: Ended) -> str | None:
             recordings.erase_session(session, settings, found)
             note(AGAIN)
             return "sessions"
+        case "session.move_in":
+            is_moved = moving.put_again(session, str(entry.resource_id), str(entry.patient_id))
+            return "moves" if is_moved else None
         case "device_token.revoke":
             return _revoked(session, DeviceToken, "tokens", entry, note)
         case "grant.revoke":

@@ -55,6 +55,9 @@ def erase(engine: Engine, settings: Settings, subject: Subject, patient_id: str)
             raise Conflict(say("patient.archive_first"), archived=False)
         _require_rest(session, patient_id)
         erase_now(session, settings, subject, patient)
+        for shell in session.scalars(select(Patient).where(Patient.merged_into_id == patient_id)).all():
+            # The other record of the same person, which was merged into this one.
+            erase_now(session, settings, subject, shell)
     forget_deleted(engine)
 
 

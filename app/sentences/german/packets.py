@@ -56,6 +56,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " zum Beispiel vier Wörter.",
     "password.short": "Dieses Passwort ist kürzer als {least} Zeichen; wählen Sie ein anderes, zum Beispiel vier"
     " Wörter.",
+    "patient.merge_itself": "Wählen Sie eine andere Akte als diese.",
+    "patient.merged_before": "Diese Akte wurde schon mit einer anderen zusammengeführt und ist leer.",
     "patient.archive_first": "Archivieren Sie die Akte zuerst; Löschen lässt sich nicht rückgängig machen.",
     "patient.archived": "Diese Akte ist archiviert: Vorhandene Daten sind lesbar, nichts kann hinzugefügt werden.",
     "patient.being_analysed": "Eine Aufzeichnung dieser Person wird gerade ausgewertet; versuchen Sie es in"

@@ -33,6 +33,15 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "series.unknown": "Keine Sitzung hat {names:and}; es gibt {known:and}.",
     "service.no_process": "Im Moment kann kein Prozess gestartet werden; versuchen Sie es erneut.",
     "session.analysed": "Ausgewertet.",
+    "session.move_live": "Eine Sitzung ist live oder wird ausgewertet; warten Sie, bis das beendet ist, und"
+    " verschieben Sie sie dann.",
+    "session.move_template": "Aus dieser Sitzung entstand die eigene Vorlage „{name}“ der Patientin oder des"
+    " Patienten: Sie würde die Bewegung einer anderen Person zeigen. Ziehen Sie die Vorlage zurück und nehmen"
+    " Sie zuerst eine andere auf.",
+    "session.nothing_to_move": "Wählen Sie eine andere Akte oder eine andere Übung.",
+    "session.reason_needed": "Schreiben Sie den Grund.",
+    "session.moved": "Aus einer anderen Akte hierher verschoben. {reason}",
+    "session.exercise_changed": "Die Übung dieser Sitzung wurde geändert. {reason}",
     "session.delete_live": "Diese Sitzung ist live; beenden Sie sie vor dem Löschen.",
     "session.headings_left_out": "Die bei {time_s:s} gesetzten Richtungen wurden nicht verwendet. {reason}",
     "session.no_estimator": "Ein Schätzverfahren {unknown:or} gibt es nicht; wählen Sie {known:or}.",

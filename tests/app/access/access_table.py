@@ -221,6 +221,13 @@ LINES: tuple[Line, ...] = (
         OWN_OR_MANAGE,
         body={"purpose": "research", "granted": True},
     ),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/merge",
+        TREAT,
+        body={"other_id": "{patient_id}", "reason": "entered twice"},
+        status=422,
+    ),
     # --- exercises ---
     Line("GET", "/api/exercises", "list"),
     Line("POST", "/api/exercises", "role", MANAGE | {"reader"}, body=EXERCISE, status=201),
@@ -243,6 +250,13 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/patients/{patient_id}/sessions", READ),
     patient("GET", "/api/sessions/{session_id}", READ),
     patient("DELETE", "/api/sessions/{session_id}", TREAT, status=204),
+    patient(
+        "PATCH",
+        "/api/sessions/{session_id}",
+        TREAT,
+        body={"exercise_id": "{exercise_id}", "reason": "mistaken"},
+        status=422,
+    ),
     patient("GET", "/api/sessions/{session_id}/raw", READ),
     patient("POST", "/api/sessions/{session_id}/reprocess", TREAT, body={"orientation": "vqf"}, status=202),
     patient(

@@ -767,6 +767,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/patients/{patient_id}/merge": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Merge Patients
+         * @description Move everything of another record of the same person into this one; the other stays in the archive, empty.
+         */
+        post: operations["merge_patients_api_patients__patient_id__merge_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/patients/{patient_id}/pairing-codes": {
         parameters: {
             query?: never;
@@ -976,7 +996,13 @@ export interface paths {
         delete: operations["delete_session_api_sessions__session_id__delete"];
         options?: never;
         head?: never;
-        patch?: never;
+        /**
+         * Change Session
+         * @description Move a session to the patient who did it, or to the exercise that it was; it is compared anew.
+         *
+         *     Errors: `conflict` while it is live or being analysed, and where a template of the patient was made from it.
+         */
+        patch: operations["change_session_api_sessions__session_id__patch"];
         trace?: never;
     };
     "/api/sessions/{session_id}/answers": {
@@ -4209,6 +4235,36 @@ export interface components {
             locale: "" | "en" | "de";
         };
         /**
+         * MergeIn
+         * @description Two records of one person made one.
+         */
+        MergeIn: {
+            /** Other Id */
+            other_id: string;
+            /** Reason */
+            reason: string;
+        };
+        /**
+         * MergeOut
+         * @description What moved into the record that stays.
+         */
+        MergeOut: {
+            /** Notes */
+            notes: number;
+            /** Patient Id */
+            patient_id: string;
+            /** Prescriptions */
+            prescriptions: number;
+            /** Revoked Tokens */
+            revoked_tokens: number;
+            /** Sessions */
+            sessions: number;
+            /** Templates */
+            templates: number;
+            /** Withdrawn Consents */
+            withdrawn_consents: string[];
+        };
+        /**
          * MountingOut
          * @description How the sensors sat when they were last calibrated on this patient.
          */
@@ -4399,6 +4455,8 @@ export interface components {
             may_manage: boolean;
             /** May Treat */
             may_treat: boolean;
+            /** Merged Into Id */
+            merged_into_id?: string | null;
             mounting?: components["schemas"]["MountingOut"] | null;
             /**
              * Notes
@@ -5281,6 +5339,18 @@ export interface components {
             state: "created" | "calibrating" | "ready" | "recording" | "link_lost" | "closing" | "analysed" | "failed";
             /** State Reason */
             state_reason: string;
+        };
+        /**
+         * SessionPatch
+         * @description Whose session it was, and which exercise; what is absent stays.
+         */
+        SessionPatch: {
+            /** Exercise Id */
+            exercise_id?: string | null;
+            /** Patient Id */
+            patient_id?: string | null;
+            /** Reason */
+            reason: string;
         };
         /**
          * SignInRequest
@@ -7673,6 +7743,44 @@ export interface operations {
             503: components["responses"]["Error503"];
         };
     };
+    merge_patients_api_patients__patient_id__merge_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MergeIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MergeOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
     create_pairing_code_api_patients__patient_id__pairing_codes_post: {
         parameters: {
             query?: never;
@@ -8055,6 +8163,44 @@ export interface operations {
             403: components["responses"]["Error403"];
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_session_api_sessions__session_id__patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SessionPatch"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionDetail"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];
