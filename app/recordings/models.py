@@ -50,7 +50,7 @@ class MotionSession(Identified, Base):
     ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     recording_start_s: Mapped[float | None] = mapped_column(Float)
     recording_end_s: Mapped[float | None] = mapped_column(Float)
-    """Session time between which repetitions count; raw data before and after stays stored."""
+    """When Record and Stop were pressed, session time; see `recorded_s`."""
     packets_stored: Mapped[int] = mapped_column(Integer, default=0)
     packets_missing: Mapped[int] = mapped_column(Integer, default=0)
     duration_s: Mapped[float] = mapped_column(Float, default=0.0)
@@ -60,6 +60,16 @@ class MotionSession(Identified, Base):
     """Repetitions that were accepted; 0 for walks. None until analysed, and where that was before it was counted."""
     active_s: Mapped[float | None] = mapped_column(Float)
     """How long the exercise was really done; 0 when nothing valid was. None as `valid_repetitions`."""
+
+    @property
+    def recorded_s(self) -> tuple[float, float] | None:
+        """Half-open session time in which repetitions, strides and sway count; None where nobody pressed Record.
+
+        What is before and after stays stored and is shown, and counts nowhere. Without a Stop it ends with the session.
+        """
+        if self.recording_start_s is None:
+            return None
+        return self.recording_start_s, float("inf") if self.recording_end_s is None else self.recording_end_s
 
 
 class SignalChunk(Base):

@@ -21,17 +21,19 @@ from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Footholds, Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
-    Measure,
-    measure,
     measure_steps,
     steady,
     step_measures,
+    steps_inside,
     summarise,
     turns,
 )
 from estimators.gait.foot.live import FootChunk, FootTracker
 from estimators.gait.foot.parameters import FootParameters, foot_parameters
 from estimators.gait.foot.trajectory import FootFlag, FootTrajectory, smooth
+from estimators.gait.walk.carried import carried_foot, without_carried
+from estimators.gait.walk.measured import Measure, measure
+from estimators.gait.walk.rolling import rolled_s
 
 __all__ = [
     "GUIDED_KINDS",
@@ -57,6 +59,7 @@ __all__ = [
     "StrideFlag",
     "Strides",
     "average_path",
+    "carried_foot",
     "find_stance",
     "find_strides",
     "foot_parameters",
@@ -66,10 +69,13 @@ __all__ = [
     "measure_steps",
     "relate_by_course",
     "relate_feet",
+    "rolled_s",
     "smooth",
     "steady",
     "step_measures",
     "steps_in_one_world",
+    "steps_inside",
     "summarise",
     "turns",
+    "without_carried",
 ]

@@ -1,18 +1,58 @@
 """Where a foot rested between strides: what is no walking is not made one."""
 
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.gait._stance import runs
 from estimators.gait.foot.trajectory import FootFlag, FootTrajectory
+from estimators.recording import Float
 
 SHORTEST_SWING_S: Final = 0.15
 MOVED_M: Final = 0.05
 _LIFTED_M, _TURNED_RAD = 0.03, 0.26
 _QUIET, _RESTLESS = 0.3, 3.0
+_PAUSE_S, _HALT_SHARE, _NEAR = 2.0, 1.6, 3
+_SLOWEST_S = 4.5
+"""The longest stance of a gait: a stride of 5 s, nine tenths of it on the ground."""
 _WALKING_CONTRAST, _RUNNING_CONTRAST, _RUNNING_MPS = 10.0, 4.0, 2.5
+
+
+@dataclass(frozen=True)
+class Footholds:
+    """Where a foot stood; n of them, in order.
+
+    Attributes
+    ----------
+    start_s, stop_s, quietest_s : ndarray, shape (n,)
+        First and last moment found at rest, and the quietest.
+    position_m : ndarray, shape (n, 3)
+        Of the sensor at the quietest moment, world of the trajectory.
+    heading_rad : ndarray, shape (n,)
+        Where the foot points, about z from the world's x; unwrapped. See `foot_axes` of the strides.
+    variance_m2 : ndarray, shape (n, 3)
+        Of the position, grown since the start.
+    """
+
+    start_s: Float
+    stop_s: Float
+    quietest_s: Float
+    position_m: Float
+    heading_rad: Float
+    variance_m2: Float
+
+    @property
+    def middle_s(self) -> Float:
+        """Middle of each rest, shape (n,): in a long stance the quietest moment may be anywhere."""
+        return np.asarray(0.5 * (self.start_s + self.stop_s))
+
+    def before(self, time_s: float) -> "Footholds":
+        """Return those that had ended at a moment."""
+        retained = self.stop_s <= time_s
+        return Footholds(*(getattr(self, field.name)[retained] for field in fields(self)))
 
 
 def find_rests(trajectory: FootTrajectory) -> list[tuple[int, int]]:
@@ -85,4 +125,43 @@ def quietest(trajectory: FootTrajectory, rest: tuple[int, int]) -> int:
     return rest[0] + int(np.argmin(trajectory.stance.sigma_mps[rest[0] : rest[1]]))
 
 
-__all__ = ["MOVED_M", "find_rests", "quietest"]
+def pauses(stood_s: Float) -> NDArray[np.bool_]:
+    """Return which stances between strides end a bout, shape (n,).
+
+    Parameters
+    ----------
+    stood_s : ndarray, shape (n,)
+        How long the foot stood between one stride and the next.
+
+    Notes
+    -----
+    Own. Nobody who walks at a usual pace stands on one foot for 2 s. Behind a walking frame a stance of 2 to 4 s is the
+    gait itself: there the stances before and after last as long. A halt is longer than those.
+    """
+    found = stood_s > _PAUSE_S
+    for k in np.flatnonzero(found).tolist():
+        near = np.delete(stood_s[max(0, k - _NEAR) : k + _NEAR + 1], min(k, _NEAR))
+        if len(near):
+            usual = min(float(np.median(near)), _SLOWEST_S)
+            found[k] = stood_s[k] > max(_PAUSE_S, _HALT_SHARE * usual)
+    return found
+
+
+def footholds_of(trajectory: FootTrajectory, rests: list[tuple[int, int]], forward: Float) -> Footholds:
+    """Return where a foot stood in its rests; `forward`, shape (3,), points to the toes in the sensor's axes."""
+    quiet = np.array([quietest(trajectory, rest) for rest in rests], dtype=np.int64)
+    last = np.array([rest[1] - 1 for rest in rests], dtype=np.int64)
+    first = np.array([rest[0] for rest in rests], dtype=np.int64)
+    pointing = rotation.rotate(trajectory.q_world_sensor[quiet], forward).reshape(-1, 3)
+    return Footholds(
+        start_s=trajectory.time_s[first],
+        stop_s=trajectory.time_s[last],
+        quietest_s=trajectory.time_s[quiet],
+        position_m=trajectory.position_m[quiet].reshape(-1, 3),
+        heading_rad=np.unwrap(np.arctan2(pointing[:, 1], pointing[:, 0])),
+        # The end of a stance has seen all of it.
+        variance_m2=trajectory.position_sigma_m[last].reshape(-1, 3) ** 2,
+    )
+
+
+__all__ = ["MOVED_M", "Footholds", "find_rests", "footholds_of", "pauses", "quietest"]

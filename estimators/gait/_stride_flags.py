@@ -23,6 +23,8 @@ class StrideFlag(IntFlag):
     """It took far longer than the strides around it: a stance between two strides was not found, or somebody halted."""
     SIDEWAYS = 8
     """The foot points more than 60 degrees away from where it went: a step aside, or back."""
+    OUTSIDE = 16
+    """Made before Record was pressed or after Stop: the way to the line, no part of the test."""
 
 
 def long_strides(duration_s: Float, is_sound: NDArray[np.bool_]) -> NDArray[np.bool_]:

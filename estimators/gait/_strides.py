@@ -1,77 +1,26 @@
 """From a foot's trajectory to footholds, events and the strides between them."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import Side
-from estimators.gait._rests import MOVED_M, find_rests, quietest
+from estimators.gait._rests import Footholds, find_rests, footholds_of, pauses, quietest
 from estimators.gait._stride_flags import StrideFlag, long_strides, missing_samples
 from estimators.gait.foot.trajectory import COAST_S, FootFlag, FootTrajectory
+from estimators.gait.walk.swing import SWING, derivatives, swing_of, went_backward
+from estimators.gait.walk.trembling import trembles
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
 
-_SMOOTH_S = 0.012
-"""Of accelerations in which events are looked for: a second-order 15 Hz low-pass has about this width."""
-_HEEL_RISE_SHARE, _PEAK_SHARE, _LANDING_SHARE, _FAST_SHARE = 0.9, 0.3, 0.5, 0.5
-_PAUSE_S = 2.0
 _SIDEWAYS_RAD = np.deg2rad(60.0)
-_END_POINT_SIGMA_M = 0.003
-"""A foot creeps and rolls in stance: two instants of one stance differ by so much."""
+_END_POINT_SIGMA_M, _TREMBLING_SIGMA_M = 0.003, 0.03
+"""A foot creeps and rolls in stance: two instants of one stance differ by so much; of a foot that trembles by more."""
 _UP = np.array([0.0, 0.0, 1.0])
-
-
-@dataclass(frozen=True)
-class Footholds:
-    """Where a foot stood; n of them, in order.
-
-    Attributes
-    ----------
-    start_s, stop_s, quietest_s : ndarray, shape (n,)
-        First and last moment found at rest, and the quietest.
-    position_m : ndarray, shape (n, 3)
-        Of the sensor at the quietest moment, world of the trajectory.
-    heading_rad : ndarray, shape (n,)
-        Where the foot points, about z from the world's x; unwrapped. See `foot_axes`.
-    variance_m2 : ndarray, shape (n, 3)
-        Of the position, grown since the start.
-    """
-
-    start_s: Float
-    stop_s: Float
-    quietest_s: Float
-    position_m: Float
-    heading_rad: Float
-    variance_m2: Float
-
-    def before(self, time_s: float) -> "Footholds":
-        """Return those that had ended at a moment."""
-        retained = self.stop_s <= time_s
-        return Footholds(*(getattr(self, field.name)[retained] for field in fields(self)))
-
-
-_SWING = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "toe_off_s",
-            "contact_s",
-            "clearance_m",
-            "circumduction_m",
-            "contact_pitch_rad",
-            "toe_off_pitch_rad",
-            "toe_out_rad",
-            "turn_rad",
-            "peak_speed_mps",
-        )
-    ]
-)
-"""What the swing of one stride says."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +61,14 @@ class Strides:
         `StrideFlag` bits.
     q_sensor_foot : ndarray, shape (4,)
         Turns foot axes (x to the toes, z up while flat) into the sensor's; found from the walk.
+    is_backward : bool
+        The foot went heel first; see `went_backward`.
+    is_trembling : bool
+        It shook while it stood, as in clonus: strides may be lost, and `length_sigma_m` is larger.
+    is_carried : bool
+        It did not stand while the other foot walked; see `carried_foot`. All its strides are `StrideFlag.ALOFT`.
+    rolled_s : float
+        For how long it was moved without stepping; see `rolled_s` of `walk.rolling`.
     """
 
     side: Side
@@ -137,11 +94,35 @@ class Strides:
     missing_s: Float
     flags: NDArray[np.uint8]
     q_sensor_foot: Float
+    is_backward: bool = False
+    is_trembling: bool = False
+    is_carried: bool = False
+    rolled_s: float = 0.0
 
     @property
     def count(self) -> int:
         """Number of strides."""
         return len(self.length_m)
+
+    @property
+    def is_inside(self) -> Bool:
+        """Which strides lie between Record and Stop, shape (n,)."""
+        return np.asarray((self.flags & StrideFlag.OUTSIDE) == 0)
+
+    def has(self, flag: StrideFlag) -> Bool:
+        """Return which strides between Record and Stop have a flag, shape (n,)."""
+        return np.asarray((self.flags & flag) != 0) & self.is_inside
+
+    def between(self, start_s: float, end_s: float) -> "Strides":
+        """Mark the strides that are not wholly within a recording; all of them stay.
+
+        Parameters
+        ----------
+        start_s, end_s : float
+            When Record and Stop were pressed, on the clock of the strides.
+        """
+        outside = (self.toe_off_s < start_s) | (self.contact_s > end_s)
+        return replace(self, flags=np.asarray(self.flags | outside * StrideFlag.OUTSIDE, dtype=np.uint8))
 
     @property
     def whole_until_s(self) -> float:
@@ -171,29 +152,27 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     long as the foot moves 5 cm, lifts 3 cm or turns 15 degrees between two rests.
     """
     rests = find_rests(trajectory)
-    forward, left = foot_axes(trajectory, rests)
-    axes = np.stack([forward, left, np.cross(forward, left)], axis=1)
-    holds = _footholds(trajectory, rests, forward)
-    acceleration, rate = _derivatives(trajectory)
+    axes, holds, is_backward = _oriented(trajectory, rests)
+    both = derivatives(trajectory)
     count = max(len(rests) - 1, 0)
-    rows = np.full(count, np.nan, _SWING)
+    rows = np.full(count, np.nan, SWING)
     for k in range(count):
-        rows[k] = _stride(trajectory, rests[k], rests[k + 1], holds, k, acceleration, rate, side)
+        rows[k] = swing_of(trajectory, rests, holds, k, both, side, is_backward=is_backward)
     toe_off, contact = rows["toe_off_s"], rows["contact_s"]
     missing_s, is_doubtful = missing_samples(trajectory, rests)
     aloft = (holds.start_s[1:] - holds.stop_s[:-1] > COAST_S) & ~is_doubtful
-    # A bout ends where the foot stays on the ground for long. Next to missing samples events are not known: there
-    # the foot must have been seen to rest.
+    # A bout ends where the foot stays on the ground for longer than its gait does. Next to missing samples events are
+    # not known: there the foot must have been seen to rest.
     beside = is_doubtful[1:] | is_doubtful[:-1]
     stood_s = (holds.stop_s - holds.start_s)[1:-1] - missing_s[1:]
-    pause = np.where(beside, stood_s, toe_off[1:] - contact[:-1]) > _PAUSE_S
+    pause = pauses(np.where(beside, stood_s, toe_off[1:] - contact[:-1]))
     bout = np.concatenate([[0], np.cumsum(pause)])[:count].astype(np.int64)
     is_apart = pause | beside
     before = np.concatenate([[np.nan], np.where(is_apart, np.nan, contact[:-1])])[:count]
     is_first = np.concatenate([[True], pause])[:count]
     is_last = np.concatenate([pause, [True]])[-count:] if count else np.zeros(0, dtype=np.bool_)
     sound = ~(is_doubtful | aloft | is_first | is_last)
-    is_long = long_strides(contact - before, sound) | long_strides(np.diff(holds.quietest_s), sound)
+    is_long = long_strides(contact - before, sound) | long_strides(np.diff(holds.middle_s), sound)
     aside = np.abs(rows["toe_out_rad"]) > _SIDEWAYS_RAD
     flags = is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT
     flags = flags + is_long * StrideFlag.LONG + aside * StrideFlag.SIDEWAYS
@@ -201,7 +180,9 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     length = np.linalg.norm(step[:, :2], axis=1)
     grown = np.maximum(np.diff(holds.variance_m2, axis=0), 0.0)
     along = step[:, :2] / np.maximum(length, 1e-9)[:, None]
-    variance = np.sum(along**2 * grown[:, :2], axis=1) + 2.0 * _END_POINT_SIGMA_M**2
+    is_trembling = trembles(trajectory, both[1], toe_off, contact)
+    end_point_m = _TREMBLING_SIGMA_M if is_trembling else _END_POINT_SIGMA_M
+    variance = np.sum(along**2 * grown[:, :2], axis=1) + 2.0 * end_point_m**2
     return Strides(
         side=side,
         footholds=holds,
@@ -226,7 +207,20 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         missing_s=missing_s,
         flags=np.asarray(flags, dtype=np.uint8),
         q_sensor_foot=rotation.from_matrix(axes),
+        is_backward=is_backward,
+        is_trembling=is_trembling,
     )
+
+
+def _oriented(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple[Float, Footholds, bool]:
+    """Return the foot's axes in the sensor's as columns, its footholds, and whether it went backward."""
+    forward, left = foot_axes(trajectory, rests)
+    holds = footholds_of(trajectory, rests, forward)
+    is_backward = went_backward(trajectory, rests, holds)
+    if is_backward:
+        forward, left = -forward, -left
+        holds = footholds_of(trajectory, rests, forward)
+    return np.stack([forward, left, np.cross(forward, left)], axis=1), holds, is_backward
 
 
 def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple[Float, Float]:
@@ -246,7 +240,7 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
     Notes
     -----
     A foot rolls over heel and toes about its own transverse axis: the principal axis of its angular rate. People
-    walk forward more than backward, which settles the sign.
+    walk forward more than backward, which settles the sign; `went_backward` finds who did not.
     """
     fallback = np.eye(3)[0], np.eye(3)[1]
     if len(rests) < 2:
@@ -256,7 +250,7 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
         [rotation.rotate(rotation.conjugate(trajectory.q_world_sensor[i]), _UP) for i in quiet], axis=0
     )
     up /= np.linalg.norm(up)
-    _, rate = _derivatives(trajectory)
+    _, rate = derivatives(trajectory)
     in_sensor = rotation.rotate(rotation.conjugate(trajectory.q_world_sensor), rate)
     in_sensor -= np.outer(in_sensor @ up, up)
     seen = (trajectory.flags & FootFlag.INVALID) == 0
@@ -270,105 +264,6 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
         step = trajectory.position_m[b] - trajectory.position_m[a]
         went += float(step @ rotation.rotate(trajectory.q_world_sensor[a], forward))
     return (forward, left) if went >= 0.0 else (-forward, -left)
-
-
-def _footholds(trajectory: FootTrajectory, rests: list[tuple[int, int]], forward: Float) -> Footholds:
-    quiet = np.array([quietest(trajectory, rest) for rest in rests], dtype=np.int64)
-    last = np.array([rest[1] - 1 for rest in rests], dtype=np.int64)
-    first = np.array([rest[0] for rest in rests], dtype=np.int64)
-    pointing = rotation.rotate(trajectory.q_world_sensor[quiet], forward).reshape(-1, 3)
-    return Footholds(
-        start_s=trajectory.time_s[first],
-        stop_s=trajectory.time_s[last],
-        quietest_s=trajectory.time_s[quiet],
-        position_m=trajectory.position_m[quiet].reshape(-1, 3),
-        heading_rad=np.unwrap(np.arctan2(pointing[:, 1], pointing[:, 0])),
-        # The end of a stance has seen all of it.
-        variance_m2=trajectory.position_sigma_m[last].reshape(-1, 3) ** 2,
-    )
-
-
-def _derivatives(trajectory: FootTrajectory) -> tuple[Float, Float]:
-    """Return acceleration and angular rate in the world, both shape (N, 3)."""
-    time = trajectory.time_s
-    step = np.maximum(np.diff(time), 1e-4)
-    width = max(0.5, _SMOOTH_S / float(np.median(step)))
-    acceleration = np.diff(trajectory.velocity_mps, axis=0) / step[:, None]
-    q = trajectory.q_world_sensor
-    rate = rotation.log(rotation.multiply(q[1:], rotation.conjugate(q[:-1]))) / step[:, None]
-    both = scipy.ndimage.gaussian_filter1d(np.concatenate([acceleration, rate], axis=1), width, axis=0)
-    both = np.concatenate([both, both[-1:]])
-    return both[:, :3], both[:, 3:]
-
-
-def _stride(
-    trajectory: FootTrajectory,
-    one: tuple[int, int],
-    two: tuple[int, int],
-    holds: Footholds,
-    k: int,
-    acceleration: Float,
-    rate: Float,
-    side: Side,
-) -> tuple[float, ...]:
-    """Return what one swing says, in the order of `_SWING`."""
-    step = holds.position_m[k + 1] - holds.position_m[k]
-    length = float(np.linalg.norm(step[:2]))
-    heading = 0.5 * (holds.heading_rad[k] + holds.heading_rad[k + 1])
-    along = step[:2] / length if length > MOVED_M else np.array([np.cos(heading), np.sin(heading)])
-    left = np.array([-along[1], along[0]])
-    foot_left = np.array([-np.sin(heading), np.cos(heading), 0.0])
-    swing = slice(one[1] - 1, two[0] + 1)
-    time, position = trajectory.time_s[swing], trajectory.position_m[swing]
-    velocity = trajectory.velocity_mps[swing]
-    falling_toes = rate[swing] @ foot_left
-    speed = np.linalg.norm(velocity, axis=1)
-    fastest = int(np.argmax(speed))
-    # Heel rise: the last moment before the fastest one at which the toes still turn down nearly at their fastest.
-    rise = falling_toes[: fastest + 1]
-    quick = (
-        np.flatnonzero(rise >= _HEEL_RISE_SHARE * rise.max()) if rise.max() > 0.0 else np.zeros(1, dtype=int)
-    )
-    toe_off = int(quick[-1])
-    # Fall: after the speed has halved, its deceleration peaks and ends; later peaks are the sole or toes that follow.
-    slow = fastest + int(np.argmax(speed[fastest:] < _FAST_SHARE * speed[fastest]))
-    push = acceleration[swing][slow:, 2]
-    high = push >= _PEAK_SHARE * push.max()
-    peaks = np.flatnonzero(high[1:-1] & (push[1:-1] >= push[:-2]) & (push[1:-1] > push[2:])) + 1
-    peak = int(peaks[0]) if len(peaks) else int(np.argmax(push))
-    below = np.flatnonzero(push[peak:] < _LANDING_SHARE * push[peak])
-    contact = slow + peak + (int(below[0]) if len(below) else 0)
-    share = (position[:, :2] - holds.position_m[k, :2]) @ along / max(length, MOVED_M)
-    line = holds.position_m[k, 2] + np.clip(share, 0.0, 1.0) * step[2]
-    aside = (position[:, :2] - holds.position_m[k, :2]) @ left * (1.0 if side == "left" else -1.0)
-    pitch = _pitch(trajectory, holds, k, swing, foot_left)
-    course = np.arctan2(along[1], along[0])
-    toe_out = _wrapped(heading - course) * (1.0 if side == "left" else -1.0)
-    return (
-        time[toe_off],
-        time[contact],
-        float((position[:, 2] - line).max()),
-        float(aside.max()),
-        pitch[contact],
-        pitch[toe_off],
-        toe_out,
-        holds.heading_rad[k + 1] - holds.heading_rad[k],
-        float(speed[fastest]),
-    )
-
-
-def _pitch(trajectory: FootTrajectory, holds: Footholds, k: int, swing: slice, foot_left: Float) -> Float:
-    """Return how far the toes are up against the stances before and after, rad, shape of the swing."""
-    q = trajectory.q_world_sensor
-    ends = [q[int(np.searchsorted(trajectory.time_s, holds.quietest_s[j]))] for j in (k, k + 1)]
-    turned = [rotation.log(rotation.multiply(q[swing], rotation.conjugate(end))) @ foot_left for end in ends]
-    count = len(turned[0])
-    share = np.linspace(0.0, 1.0, count)
-    return np.asarray(-((1.0 - share) * turned[0] + share * turned[1]))
-
-
-def _wrapped(angle: float) -> float:
-    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 __all__ = ["Footholds", "Strides", "find_strides", "foot_axes"]

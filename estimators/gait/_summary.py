@@ -10,7 +10,9 @@ from estimators.conventions import Side
 from estimators.gait._placement import Steps, foot_placement, steps_between
 from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
-from estimators.gait._walk_reasons import walk_reasons
+from estimators.gait.walk.carried import carried_foot
+from estimators.gait.walk.measured import Measure, difference, measure, variation
+from estimators.gait.walk.reasons import walk_reasons
 from estimators.measures import measures_of
 from estimators.recording import Float
 
@@ -26,36 +28,7 @@ _AXES_RAD, _HEIGHT_M = np.deg2rad(2.0), 0.005
 """Of the foot's axes found from the walk and of the rolling contact, the same in every stride."""
 _BESIDE_M = 0.01
 _TURN_RAD = np.deg2rad(20.0)
-_LEAST_FOR_SPREAD = 3
 _OF_TURNS = ("stride_length", "stride_time", "stance_share", "swing_time", "speed", "clearance")
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One number of a walk.
-
-    Attributes
-    ----------
-    value : float
-        Mean over the strides; NaN when there is none.
-    sigma : float
-        Of that mean: the standard error from the spread over strides and what the sensors leave uncertain, and
-        `shared`, which no number of strides makes smaller.
-    spread : float
-        Standard deviation over strides (ddof 1); NaN below 3 strides.
-    count : int
-        Strides.
-    unit : str
-    shared : float
-        One sigma of what is the same in every stride: events found late alike, foot axes, the feet's distance.
-    """
-
-    value: float
-    sigma: float
-    spread: float
-    count: int
-    unit: str
-    shared: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -70,9 +43,10 @@ class GaitSummary:
         `lateral_placement` (rms spread against the sliding path), `stride_length_variation` and
         `stride_time_variation` (coefficients of variation).
     both : dict of str to Measure
-        `double_support` per step, `double_support_share` of a stride and `walk_ratio`; empty with one foot.
+        `double_support` per step, `double_support_share` of a stride and `walk_ratio`; empty with one foot, and where
+        one is carried.
     asymmetry : dict of str to Measure
-        Left less right over their mean, of what both feet have; empty with one foot.
+        Left less right over their mean, of what both feet have; empty where `both` is.
     initiation_length_m, termination_length_m : dict of Side to ndarray
         Strides that begin and end a bout.
     turning : dict of Side to dict of str to Measure
@@ -112,26 +86,31 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
     numbers = {side: _foot(strides, steady(strides)) for side, strides in feet.items()}
     both: dict[str, Measure] = {}
     asymmetry: dict[str, Measure] = {}
-    if set(feet) == {"left", "right"}:
+    if set(feet) == {"left", "right"} and carried_foot(feet) is None:
         both = _double_support(feet["left"], feet["right"])
         both["walk_ratio"] = _walk_ratio(feet["left"], feet["right"])
         numbers["left"]["step_time"] = _step_time(feet["left"], feet["right"])
         numbers["right"]["step_time"] = _step_time(feet["right"], feet["left"])
         for name in measures_of("asymmetry"):
-            asymmetry[name] = _difference(numbers["left"][name], numbers["right"][name])
+            asymmetry[name] = difference(numbers["left"][name], numbers["right"][name])
     return GaitSummary(
         feet=numbers,
         both=both,
         asymmetry=asymmetry,
-        initiation_length_m={side: foot.length_m[foot.is_initiation] for side, foot in feet.items()},
-        termination_length_m={side: foot.length_m[foot.is_termination] for side, foot in feet.items()},
+        initiation_length_m={
+            side: foot.length_m[foot.is_initiation & foot.is_inside] for side, foot in feet.items()
+        },
+        termination_length_m={
+            side: foot.length_m[foot.is_termination & foot.is_inside] for side, foot in feet.items()
+        },
         turn_count=max((len(turns(strides)) for strides in feet.values()), default=0),
-        bout_count=max((int(s.bout.max()) + 1 for s in feet.values() if s.count), default=0),
+        bout_count=max((len(np.unique(foot.bout[foot.is_inside])) for foot in feet.values()), default=0),
         reasons=tuple(
             walk_reasons(
                 feet,
                 {side: steady(strides) for side, strides in feet.items()},
                 {side: turning(strides) for side, strides in feet.items()},
+                {side: found["toe_out"] for side, found in numbers.items()},
             )
         ),
         turning={side: _over_turns(strides) for side, strides in feet.items()},
@@ -163,10 +142,11 @@ def turns(strides: Strides) -> list[tuple[int, int, float]]:
     """Return turns of at least 20 degrees: first stride, one past the last, and the angle (left positive).
 
     Consecutive strides that turn the same way by at least 5 degrees each are one turn. What a foot did while samples
-    were missing is not known, so no turn is found there.
+    were missing is not known, so no turn is found there; a turn before Record or after Stop is none of the test.
     """
     least = np.deg2rad(5.0)
-    is_turn = (np.abs(strides.turn_rad) >= least) & ((strides.flags & StrideFlag.MISSING) == 0)
+    is_unknown = (strides.flags & (StrideFlag.MISSING | StrideFlag.OUTSIDE)) != 0
+    is_turn = (np.abs(strides.turn_rad) >= least) & ~is_unknown
     way = np.where(is_turn, np.sign(strides.turn_rad), 0.0)
     found = []
     start = 0
@@ -179,37 +159,21 @@ def turns(strides: Strides) -> list[tuple[int, int, float]]:
     return found
 
 
-def measure(values: Float, unit: str, sigma: Float | float = 0.0, shared: float = 0.0) -> Measure:
-    """Average values of single strides that are known.
+def measure_steps(
+    left_m: Float,
+    left_s: Float,
+    right_m: Float,
+    right_s: Float,
+    right_from_left_m: Float,
+    strides: Mapping[Side, Strides] | None = None,
+) -> dict[str, Measure]:
+    """Measure steps between feet that can be related; see `steps_between` for the arguments.
 
     Parameters
     ----------
-    values : ndarray, shape (n,)
-        NaN where it is not known.
-    unit : str
-    sigma : float or ndarray, shape (n,)
-        Of each value by itself.
-    shared : float
-        Of all of them alike: no average makes it smaller.
-    """
-    known = np.isfinite(values)
-    count = int(np.count_nonzero(known))
-    if count == 0:
-        return Measure(float("nan"), float("nan"), float("nan"), 0, unit)
-    chosen = values[known]
-    each = np.broadcast_to(sigma, values.shape)[known]
-    spread = float(chosen.std(ddof=1)) if count >= _LEAST_FOR_SPREAD else float("nan")
-    sensors = float(np.sqrt(np.mean(each**2)))
-    # The spread over strides already holds what the sensors add to each; with few strides only that is known.
-    error = max(spread, sensors) if np.isfinite(spread) else sensors
-    total = float(np.hypot(error / np.sqrt(count), shared))
-    return Measure(float(chosen.mean()), total, spread, count, unit, shared)
-
-
-def measure_steps(
-    left_m: Float, left_s: Float, right_m: Float, right_s: Float, right_from_left_m: Float
-) -> dict[str, Measure]:
-    """Measure steps between feet that can be related; see `steps_between` for the arguments.
+    left_m, left_s, right_m, right_s, right_from_left_m : ndarray
+    strides : mapping of Side to Strides, optional
+        Between these footholds: only steps between Record and Stop are measured.
 
     Returns
     -------
@@ -225,7 +189,16 @@ def measure_steps(
     # The worlds are turned onto each other by the footholds at the ends of the way, which scatter as all do.
     scatter = [_beside_course(feet) for feet in (left_m, right_m)]
     shared = float(np.sqrt(0.5 * (scatter[0] ** 2 + scatter[1] ** 2) + _BESIDE_M**2))
-    return step_measures(steps_between(left_m, left_s, right_m, right_s, right_from_left_m), shared)
+    steps = steps_between(left_m, left_s, right_m, right_s, right_from_left_m)
+    return step_measures(steps, shared, None if strides is None else steps_inside(strides, steps))
+
+
+def steps_inside(strides: Mapping[Side, Strides], steps: Steps) -> Bool:
+    """Return which steps lie between Record and Stop, shape (n,): those that end a stride there."""
+    inside = {side: foot.is_inside for side, foot in strides.items()}
+    landed = zip(steps.is_left, steps.foothold, strict=True)
+    found = [inside["left" if is_left else "right"][number - 1] for is_left, number in landed]
+    return np.array(found, dtype=np.bool_)
 
 
 def _beside_course(position_m: Float) -> float:
@@ -253,9 +226,9 @@ def step_measures(
     inner[:1], inner[-2:] = False, False
     # Footholds of both feet scatter by as much as two instants of one stance differ.
     found = {
-        "step_width": measure(steps.width_m[inner], "m", 0.01),
-        "step_length_left": measure(steps.length_m[inner & steps.is_left], "m", 0.01),
-        "step_length_right": measure(steps.length_m[inner & ~steps.is_left], "m", 0.01),
+        "step_width": measure(steps.width_m[inner], "m", 0.01, name="step_width"),
+        "step_length_left": measure(steps.length_m[inner & steps.is_left], "m", 0.01, name="step_length"),
+        "step_length_right": measure(steps.length_m[inner & ~steps.is_left], "m", 0.01, name="step_length"),
     }
     return {
         name: replace(one, sigma=float(np.hypot(one.sigma, shared_sigma_m))) for name, one in found.items()
@@ -277,20 +250,26 @@ def _foot(strides: Strides, use: Bool) -> dict[str, Measure]:
         speed, cadence = length / duration, 120.0 / duration
         speed_sigma = speed * np.sqrt((sigma / length) ** 2 + (two_events / duration) ** 2)
         numbers = {
-            "stride_length": measure(length, "m", sigma),
-            "stride_time": measure(duration, "s", two_events),
-            "stance_time": measure(strides.stance_s[use], "s", two_events, _LATE_S),
-            "swing_time": measure(strides.swing_s[use], "s", two_events, _LATE_S),
-            "stance_share": measure(strides.stance_s[use] / duration, "1", two_events / duration, late),
-            "speed": measure(speed, "m/s", speed_sigma),
-            "cadence": measure(cadence, "steps/min", cadence * two_events / duration),
-            "clearance": measure(strides.clearance_m[use], "m", 0.01, _HEIGHT_M),
-            "circumduction": measure(strides.circumduction_m[use], "m", sigma),
-            "contact_pitch": measure(strides.contact_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
-            "toe_off_pitch": measure(strides.toe_off_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
-            "toe_out": measure(strides.toe_out_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
-            "stride_length_variation": _variation(length),
-            "stride_time_variation": _variation(duration, np.sqrt(2.0) * _EVENT_RANDOM_S),
+            "stride_length": measure(length, "m", sigma, name="stride_length"),
+            "stride_time": measure(duration, "s", two_events, name="stride_time"),
+            "stance_time": measure(strides.stance_s[use], "s", two_events, _LATE_S, name="stance_time"),
+            "swing_time": measure(strides.swing_s[use], "s", two_events, _LATE_S, name="swing_time"),
+            "stance_share": measure(
+                strides.stance_s[use] / duration, "1", two_events / duration, late, name="stance_share"
+            ),
+            "speed": measure(speed, "m/s", speed_sigma, name="speed"),
+            "cadence": measure(cadence, "steps/min", cadence * two_events / duration, name="cadence"),
+            "clearance": measure(strides.clearance_m[use], "m", 0.01, _HEIGHT_M, name="clearance"),
+            "circumduction": measure(strides.circumduction_m[use], "m", sigma, name="circumduction"),
+            "contact_pitch": measure(
+                strides.contact_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD, name="contact_pitch"
+            ),
+            "toe_off_pitch": measure(
+                strides.toe_off_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD, name="toe_off_pitch"
+            ),
+            "toe_out": measure(strides.toe_out_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD, name="toe_out"),
+            "stride_length_variation": variation(length),
+            "stride_time_variation": variation(duration, np.sqrt(2.0) * _EVENT_RANDOM_S),
         }
     numbers["lateral_placement"] = _lateral(strides, use)
     return numbers
@@ -316,17 +295,6 @@ def _stretches(use: Bool) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _variation(values: Float, each: float = 0.0) -> Measure:
-    """Return the coefficient of variation; `each` is what finding a value adds to its spread."""
-    known = values[np.isfinite(values)]
-    count = len(known)
-    if count < _LEAST_FOR_SPREAD:
-        return Measure(float("nan"), float("nan"), float("nan"), count, "1")
-    share = float(known.std(ddof=1) / known.mean())
-    sampling, found = share / np.sqrt(2.0 * (count - 1)), each / float(known.mean())
-    return Measure(share, float(np.hypot(sampling, found)), float("nan"), count, "1", found)
-
-
 def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
     """Both feet on the ground: from a contact of one foot to the toe-off of the other."""
     times, shares = [], []
@@ -339,8 +307,10 @@ def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
                 shares.append(times[-1] / one.duration_s[k])
     two_events = np.sqrt(2.0) * EVENT_SIGMA_S
     return {
-        "double_support": measure(np.array(times), "s", two_events, _LATE_S),
-        "double_support_share": measure(np.array(shares), "1", two_events, _LATE_S * _rate_of(times, shares)),
+        "double_support": measure(np.array(times), "s", two_events, _LATE_S, name="double_support"),
+        "double_support_share": measure(
+            np.array(shares), "1", two_events, _LATE_S * _rate_of(times, shares), name="double_support_share"
+        ),
     }
 
 
@@ -355,7 +325,7 @@ def _walk_ratio(left: Strides, right: Strides) -> Measure:
     sigma_m = np.concatenate([one.length_sigma_m[steady(one)] for one in (left, right)])
     steps_each_s = 2.0 / duration_s
     slow = np.hypot(0.5 * sigma_m / steps_each_s, 0.5 * length_m * np.sqrt(0.5) * EVENT_SIGMA_S)
-    return measure(0.5 * length_m / steps_each_s, "m s", slow)
+    return measure(0.5 * length_m / steps_each_s, "m s", slow, name="walk_ratio")
 
 
 def _rate_of(times: list[float], shares: list[float]) -> float:
@@ -371,26 +341,15 @@ def _step_time(one: Strides, other: Strides) -> Measure:
         before = known_s[known_s < one.contact_s[k]]
         if len(before) and one.contact_s[k] - before[-1] < one.duration_s[k]:
             times.append(one.contact_s[k] - before[-1])
-    return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S, _LATE_SHARED_S)
-
-
-def _difference(left: Measure, right: Measure) -> Measure:
-    mean = 0.5 * (left.value + right.value)
-    value = (left.value - right.value) / mean if mean else float("nan")
-    # What both feet share of it falls out of their difference; one foot may have it by itself, as a dropped foot does.
-    own = [max(one.sigma**2 - one.shared**2, 0.0) for one in (left, right)]
-    shared = max(left.shared, right.shared)
-    sigma = float(np.sqrt(own[0] + own[1] + shared**2) / abs(mean)) if mean else float("nan")
-    return Measure(value, sigma, float("nan"), min(left.count, right.count), "1")
+    return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S, _LATE_SHARED_S, name="step_time")
 
 
 __all__ = [
     "GaitSummary",
-    "Measure",
-    "measure",
     "measure_steps",
     "steady",
     "step_measures",
+    "steps_inside",
     "summarise",
     "turning",
     "turns",

@@ -137,9 +137,11 @@ def spans_of(session: Session, found: MotionSession) -> list[tuple[Condition, fl
     ----------
     session : Session
     found : MotionSession
-        Of which access was checked. Without marks its whole recording is one trial.
+        Of which access was checked. Without marks its whole recording is one trial. What was marked before Record was
+        pressed begins there, or is no trial where it had ended by then; the same for Stop.
     """
-    end_s = found.duration_s if found.recording_end_s is None else found.recording_end_s
+    start_s, stop_s = found.recorded_s or (0.0, float("inf"))
+    end_s = found.duration_s if found.recording_end_s is None else stop_s
     events = repository.events_of(session, found.id)
     marks = sorted(
         (event.time_s, str(event.details["label"]))
@@ -147,14 +149,14 @@ def spans_of(session: Session, found: MotionSession) -> list[tuple[Condition, fl
         if event.kind == "mark" and event.details.get("label") in {*CONDITIONS, REST}
     )
     if not marks:
-        start_s = found.recording_start_s or 0.0
         return [(_UNMARKED, start_s, end_s)]
     ends = [at for at, _ in marks[1:]] + [max(end_s, marks[-1][0])]
-    return [
-        (cast(Condition, label), at, end)
+    trials = [
+        (cast(Condition, label), max(at, start_s), min(end, stop_s))
         for (at, label), end in zip(marks, ends, strict=True)
         if label != REST
     ]
+    return [one for one in trials if one[2] > one[1] or found.recorded_s is None]
 
 
 def _sensor(setup: SessionSetup, result: Result, wanted: str | None) -> _Sensor:

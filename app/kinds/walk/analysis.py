@@ -57,7 +57,8 @@ def follow_feet(
         The samples cannot be a walk; the message says why.
     """
     with read_only(context.engine) as session:
-        hello = session.get_one(MotionSession, context.session_id).hello
+        found = session.get_one(MotionSession, context.session_id)
+        hello, recorded_s = found.hello, found.recorded_s
     given = setup
     parts = list(pieces)
     measured = stored_recording(context.engine, context.session_id, hello, setup.placements)
@@ -66,7 +67,7 @@ def follow_feet(
     context.progress(progress_from + 0.3 * (1 - progress_from), say("progress.feet"))
     result_id = new_result(context, setup, pipelines.create(setup))
     try:
-        walk = pipelines.analyse_walk(measured, setup)
+        walk = pipelines.analyse_walk(measured, setup, recorded_s)
     except EstimationError as error:
         raise InvalidInput(error.message) from error
     note, related = "", None

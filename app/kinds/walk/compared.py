@@ -20,6 +20,7 @@ from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Float
 
 _REASONS: Final = (
+    (StrideFlag.OUTSIDE, say("stride.outside")),
     (StrideFlag.MISSING, say("stride.missing")),
     (StrideFlag.ALOFT, say("stride.aloft")),
     (StrideFlag.LONG, say("stride.long")),

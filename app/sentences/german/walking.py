@@ -87,6 +87,22 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "walk.too_long": "Fuß {side:side}: Doppelschritte von {length_m:m} sind länger als die irgendeines gehenden"
     " Menschen. Prüfen Sie Einheiten, Achsen und Abtastrate der Aufzeichnung.",
     "walk.too_short": "Ein Fuß braucht mindestens {least_s:s.1} an Messwerten; diese Aufzeichnung ist zu kurz.",
+    "stride.outside": "Vor dem Beginn oder nach dem Ende der Aufzeichnung.",
+    "walk.trembling": "Fuß {side:side}: Er zittert, während er steht, wie bei einem Klonus. Doppelschritte können"
+    " fehlen, und Längen und Unterschiede zwischen den Füßen sind weniger sicher.",
+    "walk.backward": "Es ging rückwärts. Aufsetzen und Abheben sind die von Rückwärtsschritten; vergleichen Sie die"
+    " Zahlen nicht mit denen des Vorwärtsgehens.",
+    "walk.carried": "Fuß {side:side}: Er stand nicht, während der andere ging, als würde er getragen. Es gibt keine"
+    " Schrittlängen, keinen beidbeinigen Stand und keine Asymmetrie.",
+    "walk.carried_way": "Fuß {side:side}: Er wurde getragen. Strecke und Schritte sind die des anderen Fußes.",
+    "walk.counts_apart": "Der linke Fuß machte {left:number} Doppelschritte und der rechte {right:number}; das können"
+    " zwei Füße, die abwechselnd gehen, nicht. Doppelschritte eines Fußes wurden nicht gefunden.",
+    "walk.ways_apart": "Fuß {side:side}: Nur {way_m:m} Strecke wurden gefunden, vom anderen Fuß {other_m:m}. Es"
+    " fehlen Doppelschritte; Strecke und Schritte sind die des anderen Fußes.",
+    "walk.exchanged": "Beide Füße zeigen nach innen: der linke um {left_rad:deg}, der rechte um {right_rad:deg}. Sind"
+    " der linke und der rechte Schuh vertauscht?",
+    "walk.rolled": "{moved_s:s} lang bewegten sich die Füße, ohne zu gehen, wie im Rollstuhl, auf einem Fahrrad"
+    " oder einer Rolltreppe. Diese Strecke wird nicht gezählt.",
     "measure_name.walk.cadence": "Kadenz",
     "measure_name.walk.centre_to_left": "Körperschwerpunkt links der Mitte, im Gehen",
     "measure_name.walk.clearance": "Fußhub in der Schwungphase",

@@ -24,6 +24,7 @@ from estimators.gait.foot.filter import (
 from estimators.gait.foot.gaps import FilledSignals, fill_gaps
 from estimators.gait.foot.kernel import FootState, FootTicks
 from estimators.gait.foot.parameters import FootParameters, with_clips
+from estimators.gait.foot.second_look import doubtful_stances, stood
 from estimators.recording import Float, SensorSignals
 from estimators.sentences import say
 
@@ -131,7 +132,11 @@ def smooth(
     if not is_usable_rate(rate_hz):
         raise ShapeError(say("walk.rate", rate_hz=rate_hz))
     run = _Run(fill_gaps(signals, rate_hz), with_clips(signals, chosen))
-    for _ in range(passes):
+    run.there_and_back()
+    doubtful = run.leave_out_doubtful()
+    for _ in range(passes - 1 if passes > 1 or not doubtful else 1):
+        run.there_and_back()
+    if doubtful and run.restore(doubtful):
         run.there_and_back()
     return run.trajectory()
 
@@ -206,6 +211,21 @@ class _Run:
         first = self.smooth[0]
         retained = slice(at.V, at.PIVOT)
         self.x[retained] = first[retained]
+
+    def leave_out_doubtful(self) -> list[tuple[int, int]]:
+        """Measure nothing in stances that are likely the middle of a long swing, and return them."""
+        found = self.stance.is_stance & ~self.filled.is_missing
+        doubtful = doubtful_stances(self.stance.statistic, found, self.time_s)
+        for first, stop in doubtful:
+            self.wanted[first:stop] = 0
+        return doubtful
+
+    def restore(self, doubtful: list[tuple[int, int]]) -> bool:
+        """Measure again in those in which the foot stood; returns whether there are any."""
+        restored = stood(doubtful, self.smooth[:, at.V : at.V + 3])
+        for first, stop in restored:
+            self.wanted[first:stop] = self.stance.bits[first:stop]
+        return bool(restored)
 
     def _forward(self, records: Records, piece: slice, x: Float, p: Float, memory: Float) -> None:
         records.forward(

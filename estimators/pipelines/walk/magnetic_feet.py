@@ -8,7 +8,7 @@ import numpy as np
 from estimators import rotation
 from estimators.conventions import Side
 from estimators.errors import SetupError, ShapeError
-from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures
+from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures, steps_inside
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines.relative.smoothing import smooth_modules
@@ -88,7 +88,7 @@ def with_relative_feet(walk: Walk, relative: RelativeFeet) -> Walk:
     return replace(
         walk,
         frames=replace(frames, point_room_m=points, q_room_segment=q),
-        steps=step_measures(related.steps),
+        steps=step_measures(related.steps, 0.0, steps_inside(walk.strides, related.steps)),
     )
 
 

@@ -282,7 +282,7 @@ def _steps(strides: Mapping[Side, Strides], found: ShoeWalk) -> Mapping[str, Mea
             strides, places["left"], times["left"], places["right"], times["right"], found.relation_sigma_m
         )
     beside = (places["right"][0] - places["left"][0])[:2]
-    return measure_steps(places["left"], times["left"], places["right"], times["right"], beside)
+    return measure_steps(places["left"], times["left"], places["right"], times["right"], beside, strides)
 
 
 def _by_force(strides: Strides, contact: ShoeContact, time_s: Float) -> Strides:

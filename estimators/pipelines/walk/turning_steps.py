@@ -14,6 +14,7 @@ from estimators.gait import (
     relate_by_course,
     step_measures,
     steps_in_one_world,
+    steps_inside,
 )
 from estimators.recording import Float
 
@@ -71,7 +72,9 @@ def steps_on_course(
         strides["left" if is_left else "right"].turn_rad[number - 1]
         for is_left, number in zip(steps.is_left, steps.foothold, strict=True)
     ]
-    return step_measures(steps, sigma_m, np.abs(np.array(turned)) < _TURN_RAD)
+    return step_measures(
+        steps, sigma_m, (np.abs(np.array(turned)) < _TURN_RAD) & steps_inside(strides, steps)
+    )
 
 
 __all__ = ["steps_on_course", "turning_steps"]

@@ -15,11 +15,14 @@ from estimators.gait import (
     GaitSummary,
     Measure,
     Strides,
+    carried_foot,
     find_strides,
     foot_parameters,
     measure_steps,
+    rolled_s,
     smooth,
     summarise,
+    without_carried,
 )
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
@@ -64,7 +67,9 @@ class Walk:
     steps: Mapping[str, Measure] | None = None
 
 
-def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
+def analyse_walk(
+    recording: Recording, setup: SessionSetup, recorded_s: tuple[float, float] | None = None
+) -> Walk:
     """Follow the feet of a whole recording on their own time stamps, smoothed, and find their strides.
 
     Parameters
@@ -74,6 +79,9 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
         setup says otherwise.
     setup : SessionSetup
         `orientation_parameters` are those of `FootParameters`.
+    recorded_s : (float, float), optional
+        When Record and Stop were pressed, on the recording's clock. The feet are followed all the way; numbers are of
+        strides in between, the others are marked `StrideFlag.OUTSIDE`.
 
     Raises
     ------
@@ -88,11 +96,13 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
     parameters: FootParameters = foot_parameters(given)
     names = {side: setup.placements[i] for side, i in feet.items()}
     devices = setup.devices
-    paths = {
-        side: smooth(_corrected(recording.sensors[name], devices.get(name)), parameters)
-        for side, name in names.items()
-    }
+    sensors = {side: _corrected(recording.sensors[name], devices.get(name)) for side, name in names.items()}
+    paths = {side: smooth(sensor, parameters) for side, sensor in sensors.items()}
     strides = {side: find_strides(path, side) for side, path in paths.items()}
+    strides = {side: replace(foot, rolled_s=rolled_s(sensors[side], foot)) for side, foot in strides.items()}
+    if recorded_s is not None:
+        strides = {side: foot.between(*recorded_s) for side, foot in strides.items()}
+    strides = without_carried(strides)
     start_s = min(float(path.time_s[0]) for path in paths.values())
     end_s = max(float(path.time_s[-1]) for path in paths.values())
     ticks = int((end_s - start_s) * setup.rate_hz + 1e-6) + 1
@@ -143,6 +153,8 @@ def _steps(
     """Return steps between the feet: their worlds can be related from a known distance at the start."""
     if apart_m is None or set(strides) != {"left", "right"}:
         return None
+    if carried_foot(strides) is not None:
+        return None
     known_s = min(foot.whole_until_s for foot in strides.values())
     left, right = strides["left"].footholds.before(known_s), strides["right"].footholds.before(known_s)
     if min(len(left.start_s), len(right.start_s)) < 2:
@@ -153,7 +165,9 @@ def _steps(
     if min(ways) < _LEAST_COURSE_M:
         return None
     beside = np.array([0.0, -apart_m])
-    return measure_steps(left.position_m, left.quietest_s, right.position_m, right.quietest_s, beside)
+    return measure_steps(
+        left.position_m, left.quietest_s, right.position_m, right.quietest_s, beside, strides
+    )
 
 
 def course_of(strides: Strides) -> float:

@@ -24,6 +24,21 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "one": "{side:side} foot: one stride went sideways or back and is not counted.",
         "other": "{side:side} foot: {count:number} strides went sideways or back and are not counted.",
     },
+    "walk.trembling": "{side:side} foot: it trembles while it stands, as in clonus. Strides may be missing, and lengths"
+    " and differences between the feet are less certain.",
+    "walk.backward": "The walk went backward. Contacts and lifts are those of backward steps, so do not compare the"
+    " numbers with those of forward walking.",
+    "walk.carried": "{side:side} foot: it did not stand while the other one walked, as if carried. There are no step"
+    " lengths, no double support and no asymmetry.",
+    "walk.carried_way": "{side:side} foot: it was carried. Distance and steps are those of the other foot.",
+    "walk.counts_apart": "The left foot made {left:number} strides and the right foot {right:number}, which two feet"
+    " that walk in turn cannot do. Strides of one foot were not found.",
+    "walk.ways_apart": "{side:side} foot: only {way_m:m} of way was found, but {other_m:m} of the other foot. Strides"
+    " of it were not found; distance and steps are those of the other foot.",
+    "walk.exchanged": "Both feet point inward: the left one by {left_rad:deg}, the right one by {right_rad:deg}. Are"
+    " the left and the right shoe exchanged?",
+    "walk.rolled": "For {moved_s:s} the feet moved without stepping, as in a wheelchair, on a bicycle or on an"
+    " escalator. This way is not counted.",
     "walk.one_foot": "One foot only: no double support and no asymmetry.",
     "walk.missing": {
         "one": "{side:side} foot: {missing_s:s.1} of samples are missing; the stride there is not in the averages.",
@@ -85,6 +100,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "shoes.loads_alike": "These loads do not separate the channels. Push along x, y and z, both ways and off centre.",
     "shoes.time_bases": "The sensors of a shoe are on different time bases. Resample them to one.",
     "shoes.uneven": "The samples of a shoe are not even. Resample them to a common rate.",
+    "stride.outside": "Before Record was pressed or after Stop.",
     "stride.missing": "Samples are missing in or beside this stride.",
     "stride.aloft": "The foot moved too long without standing; its way is not known.",
     "stride.long": "Far longer than the strides around it: a halt, or a stance that was not found.",

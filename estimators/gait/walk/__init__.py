@@ -1,0 +1,1 @@
+"""What strides of both feet tell of a walk beside their numbers."""
