@@ -11,7 +11,7 @@ import type {
 } from '../../src/api/types';
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
-import { matches } from '../../src/lib/assessment/caseload';
+import { holdsWords, matches } from '../../src/lib/assessment/caseload';
 import { nearOf } from '../../src/kinds';
 import { limbOf, placementProblem, suggestedPlacements } from '../../src/lib/placements';
 import { jointOf, mainMeasure, plainFeedback, plainProgress } from '../../src/lib/plain';
@@ -35,6 +35,26 @@ describe('caseload', () => {
   ];
   it('finds names without accents, in any order', () => {
     expect(rows.filter((one) => matches(one, 'all', 'nunez jos')).map((one) => one.given_name)).toEqual(['José']);
+  });
+  it.each([
+    [
+      'O’Brien van der Berg-Łukasiewicz',
+      ["O'Brien", 'OBrien', 'o’brien', 'lukasiewicz', 'berg', 'berg luk', 'vanderberg'],
+    ],
+    ['Weiß-Møller', ['weiss', 'Weiß', 'moller', 'moeller', 'MØLLER', 'weiss-moller', 'weissmoller']],
+    ['Jürgen Groß', ['juergen', 'jurgen', 'Jürgen gross', 'gros']],
+    ['Mueller', ['Müller', 'mueller']],
+    ['Þóra Guðmundsdóttir', ['thora', 'gudmunds']],
+    ['Đorđe Ćosić', ['dorde cosic']],
+    ['D´Angelo N‘Diaye', ['dangelo', "n'diaye", 'ndiaye']],
+  ])('finds %s as people type it', (name, typed) => {
+    for (const words of typed) expect(holdsWords(name, words), words).toBe(true);
+    expect(holdsWords(name, 'smith')).toBe(false);
+    expect(holdsWords(name, '')).toBe(true);
+  });
+  it('does not find what is written otherwise', () => {
+    expect(holdsWords('Jan Nagel', 'anna')).toBe(false);
+    expect(holdsWords('Muller', 'Mahler')).toBe(false);
   });
   it('counts a dead link among those who need a look, and never as live', () => {
     expect(rows.filter((one) => matches(one, 'look', '')).map((one) => one.family_name)).toEqual(['Núñez', 'Abt']);
