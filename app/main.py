@@ -29,6 +29,7 @@ from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
 from app.assessment.records import ended_again
 from app.assessment.records.endpoints import router as records_router
+from app.assessment.worries.endpoints import router as worries_router
 from app.database import ended
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
@@ -297,6 +298,7 @@ def all_routers() -> list[APIRouter]:
         design_router,
         course_router,
         records_router,
+        worries_router,
         follow_up_router,
         accuracy_router,
         demonstration_router,

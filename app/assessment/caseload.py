@@ -1,41 +1,46 @@
-"""The caseload: one line a patient, with at most one reason to look, sorted by it.
+"""The caseload: one line a patient, with its worries and at most one reason to look, sorted by the most urgent.
 
-Reasons, the most urgent first: `pain` (the last session was stopped because it hurt), `declining` (the main measure
-fell by more than the minimal detectable change), `link_lost` (a session is open and nothing comes from its sensors),
-`compensation` (trunk or shoulder did more than in the template), `few_repetitions` (fewer than half of the prescribed
-ones were valid), `not_practising`, `rarely_practised` (fewer than half of the sessions that were due in four weeks),
-`bad_data` (the last session failed or lost more than a tenth of its packets), `no_template`. That somebody streams is
-no worry: it stands beside the reason in `live_state` and ranks nobody. Each line offers one next action, which follows
-from these.
+Worries (`app.assessment.worries`) happened in a session and stay until a therapist has marked them as seen: `pain`,
+`stop`, `link_lost`, `compensation`. The line has the gravest of them, the newest of its kind, and how many there are.
+Reasons besides are states of today, and go when they are over: `link_lost` (a session is open and nothing comes from
+its sensors), `declining` (the main measure fell by more than the minimal detectable change), `few_repetitions` (fewer
+than half of the prescribed ones were valid), `not_practising`, `rarely_practised` (fewer than half of the sessions that
+were due in four weeks), `bad_data` (the last session failed or lost more than a tenth of its packets), `no_template`.
+The reason of a line is the most urgent of both. That somebody streams is no worry: it stands beside the reason in
+`live_state` and ranks nobody. Each line offers one next action, which follows from these.
 """
 
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime, timedelta, tzinfo
 from typing import Any, Final, Literal, get_args
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
-from app.assessment.course.attention import Last, last_sessions
+from app.assessment.course.attention import too_few
+from app.assessment.course.trend import by_day
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
 from app.assessment.practice import ADHERENCE_WINDOW, WHEN, adherence, done_since, last_done, zone_of
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
+from app.assessment.worries.found import unseen, worries_of
+from app.assessment.worries.schemas import WorryOut
 from app.database.base import utc_now
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.pages import Page
 from app.patients.access import visible_patients
 from app.patients.models import Patient
-from app.patients.repository import note_once_an_hour
+from app.patients.repository import note_once_an_hour, treated_patients
 from app.recordings.models import MotionSession
 from app.sentences import say
 from estimators.comparison import measure_label
 
 Reason = Literal[
     "pain",
+    "stop",
     "declining",
     "link_lost",
     "compensation",
@@ -52,6 +57,7 @@ Action = Literal[
 ]
 _ACTIONS: Final[dict[Reason, Action]] = {
     "pain": "replay",
+    "stop": "replay",
     "declining": "progress",
     "link_lost": "open_live",
     "compensation": "replay",
@@ -70,7 +76,6 @@ longer."""
 LOSS_LIMIT = 0.10
 LEAST_ADHERENCE_PERCENT = 50.0
 """Of the sessions that were due; asked after a week, before which one missed is no habit."""
-TREND_LENGTH = 10
 PRACTICE_WINDOW = 4 * ADHERENCE_WINDOW
 """What was done before it is not looked at."""
 
@@ -82,6 +87,8 @@ class _Sessions:
     last: MotionSession | None = None
     live_id: str | None = None
     live_state: LiveState | None = None
+    lost_id: str | None = None
+    """An open session from whose sensors nothing comes, also where another one streams."""
     practised_at: datetime | None = None
 
 
@@ -95,8 +102,22 @@ class _Line:
     values: list[SessionValue]
     exercise: Exercise | None
     adherence_percent: float | None
-    reason: Reason
-    text: str
+    worries: list[WorryOut]
+    """Those that nobody has marked as seen, the gravest first."""
+    state: tuple[Reason, str]
+    """A reason to look that is no worry, and its words."""
+
+    @property
+    def worry(self) -> WorryOut | None:
+        """The gravest worry, where it is no less urgent than what else there is."""
+        first = next(iter(self.worries), None)
+        if first is None or ORDER.index(first.kind) > ORDER.index(self.state[0]):
+            return None
+        return first
+
+    @property
+    def reason(self) -> Reason:
+        return self.state[0] if self.worry is None else self.worry.kind
 
     @property
     def place(self) -> list[Any]:
@@ -133,7 +154,7 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     values = by_patient(
         session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
     )
-    lasts = last_sessions(session, [one.last for one in sessions.values() if one.last is not None])
+    worries = worries_of(session, ids)
     done = done_since(session, [one for one in ids if prescriptions[one]], now - PRACTICE_WINDOW)
     lines = []
     for patient in patients:
@@ -147,11 +168,13 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
         ]
         given, found = prescriptions[patient.id], sessions[patient.id]
         practised = adherence([one for one, _ in given], done[patient.id], now, zone)
-        reason, text = _reason(given, found, own, with_version, now, lasts.get(patient.id), practised)
-        lines.append(_Line(patient, given, found, own, exercise, practised, reason, text))
+        state = _state(given, found, own, with_version, now, practised)
+        waiting = unseen(worries[patient.id])
+        lines.append(_Line(patient, given, found, own, exercise, practised, waiting, state))
     lines.sort(key=lambda line: line.place)
     shown = page.cut(lines, lambda line: line.place)
-    return [_row(line) for line in shown]
+    treated = treated_patients(session, subject, [line.patient.id for line in shown])
+    return [_row(line, zone, may_treat=line.patient.id in treated) for line in shown]
 
 
 def _due(prescriptions: Sequence[tuple[Prescription, Exercise]]) -> str:
@@ -166,9 +189,9 @@ def _due(prescriptions: Sequence[tuple[Prescription, Exercise]]) -> str:
     return text
 
 
-def _row(line: _Line) -> CaseloadRow:
+def _row(line: _Line, zone: tzinfo, *, may_treat: bool) -> CaseloadRow:
     patient, sessions, values, exercise = line.patient, line.sessions, line.values, line.exercise
-    shown = values[-TREND_LENGTH:]
+    shown = by_day(values, zone)
     pooled = pooled_spread(values)
     bands = [band(value, pooled) for value in shown]
     last = sessions.last
@@ -185,11 +208,15 @@ def _row(line: _Line) -> CaseloadRow:
         main_measure_name=main_measure(exercise) if exercise and values else None,
         main_unit=values[-1].unit if values else None,
         trend=[value.mean for value in shown],
+        trend_days=[value.at.astimezone(zone).date() for value in shown],
         trend_low=[low for low, _ in bands],
         trend_high=[high for _, high in bands],
         adherence_percent=line.adherence_percent,
         reason=line.reason,
-        reason_text=line.text,
+        reason_text=line.state[1] if line.worry is None else line.worry.said("text"),
+        worry=next(iter(line.worries), None),
+        worry_count=len(line.worries),
+        may_treat=may_treat,
         action=_action(line),
         action_session_id=_action_session(line),
     )
@@ -206,33 +233,31 @@ def _action(line: _Line) -> Action:
 
 def _action_session(line: _Line) -> str | None:
     action = _action(line)
-    if action in {"watch", "open_live"}:
+    if action == "watch":
         return line.sessions.live_id
+    if line.worry is not None and action in {"replay", "open_live"}:
+        return line.worry.session_id
+    if action == "open_live":
+        return line.sessions.lost_id
     return line.sessions.last.id if action == "replay" and line.sessions.last is not None else None
 
 
-def _reason(
+def _state(
     given: list[tuple[Prescription, Exercise]],
     sessions: _Sessions,
     values: list[SessionValue],
     with_version: set[str],
     now: datetime,
-    last: Last | None,
     practised_percent: float | None,
 ) -> tuple[Reason, str]:
+    """Return the most urgent reason to look that is no worry."""
     prescriptions = [prescription for prescription, _ in given]
-    if last is not None and last.has_pain:
-        return "pain", say("caseload.pain")
-    if last is not None and last.pain_mark is not None:
-        return "pain", say("caseload.much_pain", mark=last.pain_mark)
     moved = recent_change(values)
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
         return "declining", say("caseload.declining")
-    if sessions.live_state == "link_lost":
+    if sessions.lost_id is not None:
         return "link_lost", say("caseload.link_lost")
-    if last is not None and last.compensation:
-        return "compensation", last.compensation
-    if last is not None and (text := last.too_few(given)):
+    if sessions.last is not None and (text := too_few(sessions.last, given)):
         return "few_repetitions", text
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:
@@ -318,6 +343,8 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     for patient_id, session_id, state in session.execute(live.order_by(*streaming_last)):
         found[patient_id].live_id = session_id
         found[patient_id].live_state = "link_lost" if state == "link_lost" else "streaming"
+        if state == "link_lost":
+            found[patient_id].lost_id = session_id
     for patient_id, at in last_done(session, ids, now - PRACTICE_WINDOW).items():
         found[patient_id].practised_at = at
     return found

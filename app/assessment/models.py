@@ -83,7 +83,7 @@ class WorrySeen(Identified, Base):
     known_until: Mapped[datetime] = mapped_column(UtcDateTime)
     """What of this kind became known later in the session was not seen yet."""
     seen_by: Mapped[str] = mapped_column(String(32))
-    """Account; empty for what happened long before such marks were kept."""
+    """Account; empty for what happened long before such marks were stored."""
 
 
 class CourseNote(Identified, Base):

@@ -1,11 +1,12 @@
 """Wire types of comparisons, progress and the caseload."""
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime
 from typing import Literal
 
 from pydantic import Field
 
+from app.assessment.worries.schemas import WorryOut
 from app.exercises.design import PhaseDesign
 from app.exercises.schemas import PhaseCurve, RepetitionOut
 from app.patients.schemas import Side
@@ -139,12 +140,15 @@ class CaseloadRow(Spoken):
     """Its name; `main_measure` is its label."""
     main_unit: str | None
     trend: list[float]
-    """The last ten values of the main measure, oldest first."""
+    """The main measure day by day over eight weeks, oldest first."""
+    trend_days: list[date]
+    """By the clinic's clocks, as long as `trend`."""
     trend_low: list[float]
     trend_high: list[float]
     adherence_percent: float | None
     reason: Literal[
         "pain",
+        "stop",
         "declining",
         "link_lost",
         "compensation",
@@ -156,6 +160,12 @@ class CaseloadRow(Spoken):
         "",
     ]
     reason_text: str
+    worry: WorryOut | None
+    """The gravest that nobody has marked as seen, of the same kind the newest; also beside a more urgent reason."""
+    worry_count: int
+    """How many nobody has marked as seen."""
+    may_treat: bool
+    """Whether who asks may mark them."""
     action: Literal[
         "watch", "open_live", "replay", "progress", "contact", "record_template", "prescribe", "open"
     ]

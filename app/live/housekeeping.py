@@ -20,6 +20,8 @@ AT_ONCE_S: Final = 0.002
 STOOD_STILL_S: Final = 0.5
 """Woken so much too late, the service itself stood still: what has arrived meanwhile is still to be read."""
 LINK_LOST_AFTER_S: Final = 2.0
+DEAD_LINK_AFTER_S: Final = 10.0
+"""A link that is gone for so long is no hiccup of a network: somebody has to look at it, also when it comes back."""
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
 """A session without packets for so long is closed and analysed."""
@@ -127,6 +129,8 @@ class Housekeeping:
         said_goodbye = ledger.last_sequence is not None
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
             session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
+        if silence_s > DEAD_LINK_AFTER_S and session.state == "link_lost" and not said_goodbye:
+            session.link_died(say("caseload.dead_link", silence_s=DEAD_LINK_AFTER_S))
         session.is_being_stored()
         if is_thorough:
             session.publish_health()

@@ -381,7 +381,7 @@ class LiveManager(SteeredSide):
                     stored = await asyncio.to_thread(repository.load, self.engine, session_id)
                     if stored.state not in OPEN or stored.is_ended:
                         return self.stored_state(stored)
-                    await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
+                    await asyncio.to_thread(repository.close_absent, self.engine, session_id, reason)
                 else:
                     # What came before the wish to close is taken.
                     self.pooled.take(session.lane)

@@ -24,7 +24,7 @@ from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.analysis.result_rows import filter_of, layout_dict
-from app.recordings.models import LiveCheckpoint, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.models import DEAD_LINK, LiveCheckpoint, MotionSession, Result, SessionEvent, SignalChunk
 from app.recordings.signals.checkpoints import forget_checkpoints
 from app.recordings.signals.chunks import frames_stream
 from app.schemas import SessionState
@@ -223,6 +223,17 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
         row.state, row.state_reason = state, reason
+
+
+def close_absent(engine: Engine, session_id: str, reason: str) -> None:
+    """Store that a session is closed that is not live here: one whose link was lost never got it back."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        if row.state == "link_lost":
+            text = say("caseload.dead_to_the_end")
+            time_s = row.duration_s or 0.0
+            session.add(SessionEvent(session_id=row.id, kind=DEAD_LINK, time_s=time_s, text=text))
+        row.state, row.state_reason = "closing", reason
 
 
 def save_not_closed(engine: Engine, session_id: str, reason: str) -> None:

@@ -20,6 +20,8 @@ from sqlalchemy.orm import Mapped, mapped_column
 from app.database.base import Base, Identified, UtcDateTime, utc_now
 from app.database.words import Words
 
+DEAD_LINK: Final = "link_lost"
+"""Kind of the event that stands on the time line where nothing came from the sensors for a while."""
 WALK_STREAM: Final = "gait/"
 """Before a result's identifier: the stream that holds its walk in numbers, where it is one."""
 

@@ -33,6 +33,7 @@ from app.network.packet import Packet, PacketFlag
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.recordings.analysis.kinds import kind_of
+from app.recordings.models import DEAD_LINK
 from app.recordings.schemas import CalibrationOut
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.schemas import SessionState
@@ -95,7 +96,7 @@ class LiveSession(PooledSession):
         """Estimated once more when it was opened: those behind its checkpoint."""
         self.is_finished = False
         """Closed, and everything that came is stored."""
-        self._has_store_failed = self._lacks_frames = False
+        self._has_store_failed = self._lacks_frames = self._is_link_dead = False
         self._unstored_tick = first_unstored_tick
         self._saved_declaration = declaration
         self._backlog_ticks = BACKLOG_S * declaration.rate_hz
@@ -299,7 +300,14 @@ class LiveSession(PooledSession):
             self._calibration.end()
             self._change("link_lost", reason)
 
+    def link_died(self, reason: str) -> None:
+        """Note on the time line, once for each loss, that it lasts long."""
+        if not self._is_link_dead:
+            self._is_link_dead = True
+            self.add_event(DEAD_LINK, self.session_time_s, text=reason)
+
     def _link_back(self) -> None:
+        self._is_link_dead = False
         following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
         known = self.pipeline.setup.calibration
         reasons: dict[SessionState, str] = {

@@ -103,6 +103,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " der linke und der rechte Schuh vertauscht?",
     "walk.rolled": "{moved_s:s} lang bewegten sich die Füße, ohne zu gehen, wie im Rollstuhl, auf einem Fahrrad"
     " oder einer Rolltreppe. Diese Strecke wird nicht gezählt.",
+    "worry.not_found": "Das steht nicht mehr in der Liste; laden Sie die Seite neu.",
     "measure_name.walk.cadence": "Kadenz",
     "measure_name.walk.centre_to_left": "Körperschwerpunkt links der Mitte, im Gehen",
     "measure_name.walk.clearance": "Fußhub in der Schwungphase",

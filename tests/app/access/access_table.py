@@ -177,6 +177,17 @@ LINES: tuple[Line, ...] = (
         prepare="archive",
     ),
     patient("GET", "/api/patients/{patient_id}/export", READ),
+    patient("GET", "/api/patients/{patient_id}/worries", READ),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/worries/seen",
+        TREAT,
+        body={
+            "worries": [{"session_id": "{session_id}", "kind": "pain", "known_at": "2026-01-01T00:00:00Z"}]
+        },
+        status=404,
+        note="of a session without pain",
+    ),
     patient("GET", "/api/patients/{patient_id}/progress", READ),
     patient("GET", "/api/patients/{patient_id}/course", READ, query={"exercise_id": "{exercise_id}"}),
     patient(

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from dataclasses import replace
-from datetime import UTC, timedelta
+from datetime import UTC, date, timedelta
 
 import numpy as np
 import pytest
@@ -425,3 +425,20 @@ def test_sessions_of_this_week_are_counted_on_prescriptions(history, patient, wo
     history.session(15)
     (row,) = patient.get(f"/api/patients/{world.patient_id}/prescriptions").json()
     assert row["done_this_week"] == 1, "a session that recorded nothing is none"
+
+
+def test_the_small_curve_is_by_day_over_eight_weeks(history, therapist, world):
+    """A busy day is one point: it neither pushes a rise of weeks out of the curve nor makes it flat."""
+    noon = (utc_now() - timedelta(days=1)).replace(hour=12)
+    history.session_at(noon - timedelta(days=60), [0.1, 0.1])
+    for days, mean in ((40, 0.7), (20, 0.8)):
+        history.session_at(noon - timedelta(days=days), [mean, mean])
+    for number in range(12):
+        mean = 1.0 if number % 2 else 1.1
+        history.session_at(noon + timedelta(minutes=10 * number), [mean, mean])
+    row = line(therapist, world)
+    assert row["trend"] == pytest.approx([0.7, 0.8, 1.05])
+    assert [date.fromisoformat(day) for day in row["trend_days"]] == [
+        (noon - timedelta(days=days)).date() for days in (40, 20, 0)
+    ]
+    assert row["trend_high"][-1] - row["trend_low"][-1] == pytest.approx(0.1)

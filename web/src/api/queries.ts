@@ -30,6 +30,7 @@ export const keys = {
   grants: (id: string) => ['patients', id, 'grants'] as const,
   deviceTokens: (id: string) => ['patients', id, 'device-tokens'] as const,
   consents: (id: string) => ['patients', id, 'consents'] as const,
+  worries: (id: string) => ['patients', id, 'worries'] as const,
   audit: (id: string) => ['patients', id, 'audit'] as const,
   accounts: ['accounts'] as const,
   clinic: ['clinic'] as const,
@@ -172,6 +173,16 @@ export const useCourse = (id: string, exerciseId: string | null) =>
     keys.course(id, exerciseId ?? ''),
     withQuery(`/api/patients/${id}/course`, { exercise_id: exerciseId }),
     { enabled: exerciseId !== null },
+  );
+/** What happened in a patient's sessions that a therapist must have seen, seen or not; the newest first. */
+export const usePatientWorries = (id: string) => useAll<Wire.Worry>(keys.worries(id), `/api/patients/${id}/worries`);
+export const useMarkSeen = (id: string) =>
+  useChange(
+    (shown: readonly Wire.Worry[]) =>
+      api.post<Wire.Worry[]>(`/api/patients/${id}/worries/seen`, {
+        worries: shown.map(({ session_id, kind, known_at }) => ({ session_id, kind, known_at })),
+      }),
+    () => [keys.worries(id), keys.caseload],
   );
 /** Version of the software that answers. */
 export const useVersion = () => useGet<{ version: string }>(keys.version, '/api/health');

@@ -913,6 +913,49 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/patients/{patient_id}/worries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Worries
+         * @description Return what happened in a patient's sessions that a therapist must have seen, seen ones too, newest first.
+         */
+        get: operations["list_worries_api_patients__patient_id__worries_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/patients/{patient_id}/worries/seen": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Mark Worries Seen
+         * @description Mark worries as seen and return them as they are now; what a colleague marked before stays the colleague's.
+         *
+         *     What became known after `known_at` is not marked by it. Errors: `not_found` for no such worry, `not_allowed` for
+         *     somebody who may not treat the patient.
+         */
+        post: operations["mark_worries_seen_api_patients__patient_id__worries_seen_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/prescriptions/{prescription_id}": {
         parameters: {
             query?: never;
@@ -2605,13 +2648,15 @@ export interface components {
             main_measure_name?: string | null;
             /** Main Unit */
             main_unit: string | null;
+            /** May Treat */
+            may_treat: boolean;
             /** Patient Id */
             patient_id: string;
             /**
              * Reason
              * @enum {string}
              */
-            reason: "pain" | "declining" | "link_lost" | "compensation" | "few_repetitions" | "not_practising" | "rarely_practised" | "bad_data" | "no_template" | "";
+            reason: "pain" | "stop" | "declining" | "link_lost" | "compensation" | "few_repetitions" | "not_practising" | "rarely_practised" | "bad_data" | "no_template" | "";
             /** Reason Text */
             reason_text: string;
             /** Sentences */
@@ -2620,10 +2665,15 @@ export interface components {
             };
             /** Trend */
             trend: number[];
+            /** Trend Days */
+            trend_days: string[];
             /** Trend High */
             trend_high: number[];
             /** Trend Low */
             trend_low: number[];
+            worry: components["schemas"]["WorryOut"] | null;
+            /** Worry Count */
+            worry_count: number;
         };
         /**
          * ClinicOut
@@ -4997,6 +5047,32 @@ export interface components {
             uri: string;
         };
         /**
+         * SeenIn
+         * @description Worries that were looked at.
+         */
+        SeenIn: {
+            /** Worries */
+            worries: components["schemas"]["SeenWorry"][];
+        };
+        /**
+         * SeenWorry
+         * @description A worry as it was shown to who has seen it.
+         */
+        SeenWorry: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "pain" | "stop" | "link_lost" | "compensation";
+            /**
+             * Known At
+             * Format: date-time
+             */
+            known_at: string;
+            /** Session Id */
+            session_id: string;
+        };
+        /**
          * SensorFinding
          * @description A sensor that does not sit where it should.
          */
@@ -6201,6 +6277,43 @@ export interface components {
             uncertainty: number | null;
             /** Value */
             value: number | null;
+        };
+        /**
+         * WorryOut
+         * @description What happened in a session that a therapist must have seen.
+         */
+        WorryOut: {
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /** Exercise Name */
+            exercise_name: string | null;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "pain" | "stop" | "link_lost" | "compensation";
+            /**
+             * Known At
+             * Format: date-time
+             */
+            known_at: string;
+            /** Seen At */
+            seen_at?: string | null;
+            /** Seen By */
+            seen_by?: string | null;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Session Id */
+            session_id: string;
+            /** Text */
+            text: string;
+            /** Words */
+            words: string;
         };
     };
     responses: {
@@ -8010,6 +8123,79 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ConditionsOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    list_worries_api_patients__patient_id__worries_get: {
+        parameters: {
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WorryOut"][];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    mark_worries_seen_api_patients__patient_id__worries_seen_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SeenIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WorryOut"][];
                 };
             };
             401: components["responses"]["Error401"];

@@ -105,6 +105,7 @@ export type SensorHealth = Schemas['SensorHealth'];
 export type EventMessage = Schemas['EventMessage'];
 export type ErrorMessage = Schemas['ErrorMessage'];
 export type CalibrationMessage = Schemas['CalibrationMessage'];
+export type Worry = Schemas['WorryOut'];
 export type Answers = Schemas['AnswersOut'];
 export type AnswersIn = Schemas['AnswersIn'];
 export type GuidanceMessage = Schemas['GuidanceMessage'];

@@ -5,6 +5,8 @@ import { quantity } from '../lib/format';
 
 export interface SparklineProps {
   values: readonly number[];
+  /** Of each value, ISO 8601: how far apart they stand. Without them every value is a step. */
+  days?: readonly string[];
   low: readonly number[];
   high: readonly number[];
   unit: string | null;
@@ -13,9 +15,18 @@ export interface SparklineProps {
   height?: number;
 }
 
-/** Points of a polyline in the box, x even, y up. */
+/** Where each value stands, 0 to 1: by its day, or one step after the other. */
+export function places(count: number, days?: readonly string[]): number[] {
+  const at = days?.length === count ? days.map((one) => Date.parse(one)) : Array.from({ length: count }, (_, i) => i);
+  const first = at[0] ?? 0;
+  const whole = (at.at(-1) ?? 0) - first || 1;
+  return at.map((one) => (one - first) / whole);
+}
+
+/** Points of a polyline in the box, y up. */
 export function polyline(
   values: readonly number[],
+  along: readonly number[],
   minimum: number,
   maximum: number,
   width: number,
@@ -23,9 +34,8 @@ export function polyline(
   pad: number,
 ): [number, number][] {
   const span = maximum - minimum || 1;
-  const step = values.length > 1 ? (width - 2 * pad) / (values.length - 1) : 0;
   return values.map((value, index) => [
-    pad + index * step,
+    pad + (along[index] ?? 0) * (width - 2 * pad),
     height - pad - ((value - minimum) / span) * (height - 2 * pad),
   ]);
 }
@@ -33,13 +43,14 @@ export function polyline(
 const path = (points: readonly [number, number][]) =>
   points.map(([x, y], index) => `${index ? 'L' : 'M'}${x.toFixed(1)} ${y.toFixed(1)}`).join('');
 
-export function Sparkline({ values, low, high, unit, label, width = 150, height = 44 }: SparklineProps) {
+export function Sparkline({ values, days, low, high, unit, label, width = 150, height = 44 }: SparklineProps) {
   const title = useId();
   const finite = [...values, ...low, ...high].filter(Number.isFinite);
   if (values.length === 0 || finite.length === 0) return <span className="muted small">{t('trend.none')}</span>;
   const minimum = Math.min(...finite);
   const maximum = Math.max(...finite);
-  const place = (series: readonly number[]) => polyline(series, minimum, maximum, width, height, 5);
+  const along = places(values.length, days);
+  const place = (series: readonly number[]) => polyline(series, along, minimum, maximum, width, height, 5);
   const line = place(values);
   const band =
     low.length === values.length && high.length === values.length ? [...place(high), ...place(low).reverse()] : [];

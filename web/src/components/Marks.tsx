@@ -4,6 +4,7 @@ import {
   IconArrowsDiagonal,
   IconBroadcast,
   IconCalendarOff,
+  IconHandStop,
   IconMoodSad,
   IconPlugConnectedX,
   IconRepeatOff,
@@ -30,6 +31,7 @@ export function SideMark({ side }: { side: Side | null }) {
 
 const REASONS = {
   pain: { Icon: IconMoodSad, tone: 'tag-alert' },
+  stop: { Icon: IconHandStop, tone: 'tag-alert' },
   declining: { Icon: IconArrowDownRight, tone: 'tag-alert' },
   link_lost: { Icon: IconPlugConnectedX, tone: 'tag-alert' },
   compensation: { Icon: IconArrowsDiagonal, tone: '' },

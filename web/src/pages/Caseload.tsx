@@ -7,6 +7,7 @@ import type { CaseloadRow } from '../api/types';
 import { Sparkline } from '../charts/Sparkline';
 import { Answer, Empty, ShowMore } from '../components/Feedback';
 import { LiveMark, ReasonMark, SideMark } from '../components/Marks';
+import { SeenButton, WorryText } from '../components/Worries';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
@@ -27,25 +28,56 @@ function Practised({ percent }: { percent: number | null }) {
   );
 }
 
+/** Why to look: the most urgent reason, and the gravest worry that nobody has marked as seen yet. */
+function Reason({ row, name }: { row: CaseloadRow; name: string }) {
+  const { worry, reason } = row;
+  if (reason === '') return row.live_state ? null : <span className="muted">{t('reason.none')}</span>;
+  const more = row.worry_count - 1;
+  return (
+    <>
+      {reason !== worry?.kind && (
+        <>
+          <ReasonMark reason={reason} />
+          {row.reason_text && <span className="reason-text">{row.reason_text}</span>}
+        </>
+      )}
+      {worry && (
+        <WorryText worry={worry}>
+          <p className="worry-actions">
+            {row.may_treat && (
+              <SeenButton
+                patientId={row.patient_id}
+                worries={[worry]}
+                label={t('worry.seen')}
+                name={t('worry.markOf', { what: t(`reason.${worry.kind}`), name })}
+              />
+            )}
+            {more > 0 && (
+              <Link to={`/patients/${row.patient_id}`} className="above small">
+                {t('worry.more', { count: more })}
+              </Link>
+            )}
+          </p>
+        </WorryText>
+      )}
+    </>
+  );
+}
+
 function Row({ row }: { row: CaseloadRow }) {
   const name = fullName(row);
   return (
     <tr>
       <td className="who wide">
-        <Link to={`/patients/${row.patient_id}`}>{name}</Link>
+        <Link to={`/patients/${row.patient_id}`} title={name}>
+          <span className="long-name">{name}</span>
+        </Link>
         <div>
           <SideMark side={row.affected_side ?? null} />
         </div>
       </td>
       <td className="wide">
-        {row.reason === '' ? (
-          !row.live_state && <span className="muted">{t('reason.none')}</span>
-        ) : (
-          <>
-            <ReasonMark reason={row.reason} />
-            {row.reason_text && <span className="reason-text">{row.reason_text}</span>}
-          </>
-        )}
+        <Reason row={row} name={name} />
         {row.live_session_id && row.live_state && row.reason !== 'link_lost' && (
           <div className="live-now">
             <LiveMark state={row.live_state} />
@@ -56,6 +88,7 @@ function Row({ row }: { row: CaseloadRow }) {
         <div className="trend">
           <Sparkline
             values={row.trend}
+            days={row.trend_days}
             low={row.trend_low}
             high={row.trend_high}
             unit={row.main_unit ?? null}

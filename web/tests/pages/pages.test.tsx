@@ -17,6 +17,10 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
   affected_side: 'right',
   due: 'Reaching, 3 times a week',
   last_session_at: null,
+  worry: null,
+  worry_count: 0,
+  may_treat: true,
+  trend_days: ['2026-11-01', '2026-11-08'],
   live_session_id: null,
   live_state: null,
   main_measure: 'Elbow flexion, range of motion',
@@ -67,7 +71,7 @@ describe('caseload', () => {
     // The patient's name leads to the patient; beside it a line offers one thing to do.
     for (const line of lines) expect(within(line).getAllByRole('link')).toHaveLength(2);
     expect(first.getByText('Left side affected')).toBeTruthy();
-    expect(first.getByRole('img').textContent).toMatch(/2 sessions, from 50° to 58°/);
+    expect(first.getByRole('img').textContent).toMatch(/2 days, from 50° to 58°/);
     // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
     expect(screen.getByText('1 patient needs attention')).toBeTruthy();
     expect(screen.getByText('Need attention (1)')).toBeTruthy();

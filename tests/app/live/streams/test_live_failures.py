@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sqlalchemy import Engine, update
+from sqlalchemy import Engine, select, update
 
-from app.database.unit_of_work import unit_of_work
+from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
 from app.live import manager as live_manager
@@ -20,7 +20,7 @@ from app.live import repository, warmup
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.live.session import opening
-from app.recordings.models import MotionSession
+from app.recordings.models import DEAD_LINK, MotionSession, SessionEvent
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.recordings.signals.store import read_packets
 from app.services import Services
@@ -185,6 +185,13 @@ def test_an_interrupted_session_is_taken_note_of_and_closed_when_nobody_comes_ba
         async with asyncio.timeout(PATIENCE_S):
             await asyncio.to_thread(analysis_asked_for.wait)
         assert repository.load(engine, session_id).state == "closing"
+        with read_only(engine) as session:
+            dead = select(SessionEvent.text).where(
+                SessionEvent.session_id == session_id, SessionEvent.kind == DEAD_LINK
+            )
+            assert len(session.scalars(dead).all()) == 1, (
+                "its gateway never came back, which somebody must see"
+            )
         assert (await live.close(session_id, "again")).state == "closing"
         with pytest.raises(Conflict):
             live.live(session_id)

@@ -76,7 +76,10 @@ export const common: Translated<typeof english> = {
   'time.wholeMinutes': '{minutes} min',
 
   'trend.none': 'Noch keine Sitzungen',
-  'trend.summary': '{label}: {count} Sitzungen, von {first} bis {last}',
+  'trend.summary': {
+    one: '{label}: {count} Tag, {last}',
+    other: '{label}: {count} Tage, von {first} bis {last}',
+  },
 
   'notFound.title': 'Seite nicht gefunden',
   'notFound.heading': 'Unter dieser Adresse gibt es nichts',
@@ -144,6 +147,7 @@ export const common: Translated<typeof english> = {
   'caseload.noMatchText': 'Versuchen Sie einen anderen Namen, oder zeigen Sie alle an.',
 
   'reason.pain': 'Schmerzen',
+  'reason.stop': 'Angehalten',
   'reason.compensation': 'Ausweichbewegung',
   'reason.few_repetitions': 'Wenige gültige Wiederholungen',
   'reason.declining': 'Rückgang',
@@ -153,4 +157,15 @@ export const common: Translated<typeof english> = {
   'reason.rarely_practised': 'Übt selten',
   'reason.no_template': 'Keine Vorlage',
   'reason.none': 'Nichts zu tun',
+
+  'worry.title': 'Noch nicht gesehen',
+  'worry.allSeen': 'Schmerzen und andere Ereignisse',
+  'worry.seen': 'Gesehen',
+  'worry.mark': 'Als gesehen markieren',
+  'worry.markOf': 'Als gesehen markieren: {what}, {name}',
+  'worry.markAll': { one: '{count} als gesehen markieren', other: 'Alle {count} als gesehen markieren' },
+  'worry.more': { one: 'Noch {count} nicht gesehen', other: 'Noch {count} nicht gesehen' },
+  'worry.earlier': { one: '{count} gesehen', other: '{count} gesehen' },
+  'worry.seenBy': 'Gesehen von {name}, {when}',
+  'worry.seenLongAgo': 'Aus einer Zeit, in der niemand vermerkt hat, was gesehen wurde',
 };

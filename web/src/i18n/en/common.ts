@@ -70,7 +70,10 @@ export const common = {
   'time.wholeMinutes': '{minutes} min',
 
   'trend.none': 'No sessions yet',
-  'trend.summary': '{label}: {count} sessions, from {first} to {last}',
+  'trend.summary': {
+    one: '{label}: {count} day, {last}',
+    other: '{label}: {count} days, from {first} to {last}',
+  },
 
   'notFound.title': 'Page not found',
   'notFound.heading': 'There is nothing at this address',
@@ -137,6 +140,7 @@ export const common = {
   'caseload.noMatchText': 'Try another name, or show all patients.',
 
   'reason.pain': 'Pain',
+  'reason.stop': 'Stopped',
   'reason.compensation': 'Compensation',
   'reason.few_repetitions': 'Few valid repetitions',
   'reason.declining': 'Declining',
@@ -146,4 +150,15 @@ export const common = {
   'reason.rarely_practised': 'Practises rarely',
   'reason.no_template': 'No template',
   'reason.none': 'No action needed',
+
+  'worry.title': 'Not seen yet',
+  'worry.allSeen': 'Pain and other events',
+  'worry.seen': 'Seen',
+  'worry.mark': 'Mark as seen',
+  'worry.markOf': 'Mark as seen: {what}, {name}',
+  'worry.markAll': { one: 'Mark {count} as seen', other: 'Mark all {count} as seen' },
+  'worry.more': { one: '{count} more not seen yet', other: '{count} more not seen yet' },
+  'worry.earlier': { one: '{count} seen', other: '{count} seen' },
+  'worry.seenBy': 'Seen by {name}, {when}',
+  'worry.seenLongAgo': 'From a time when nobody noted what was seen',
 } as const;

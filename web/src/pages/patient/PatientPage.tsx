@@ -21,6 +21,7 @@ import { DevicePanel } from './DevicePanel';
 import { PrescriptionPanel } from './PrescriptionPanel';
 import { ProgressPanel } from './ProgressPanel';
 import { SessionPanel } from './SessionPanel';
+import { WorryPanel } from './WorryPanel';
 
 function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
   const body = patient.body_dimensions ?? {};
@@ -84,6 +85,7 @@ function Loaded({ patient }: { patient: Patient }) {
   const edit = useEditPatient(patient.id);
   return (
     <>
+      <WorryPanel patient={patient} />
       <div className="patient-grid">
         <div className="stack">
           <Facts patient={patient} onEdit={editing.open} />

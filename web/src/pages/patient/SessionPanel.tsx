@@ -1,17 +1,17 @@
 import { Button } from '@mantine/core';
 import { useState } from 'react';
 import { Link } from 'react-router';
-import { usePatientSessions, useWalks } from '../../api/queries';
-import type { Patient, Session } from '../../api/types';
+import { usePatientSessions, usePatientWorries, useWalks } from '../../api/queries';
+import type { Patient, Session, Worry } from '../../api/types';
 import { Answer, ShowMore } from '../../components/Feedback';
-import { StateMark } from '../../components/Marks';
+import { ReasonMark, StateMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { day, duration } from '../../lib/format';
 import { isLive, lossText, sessionPath } from '../../lib/sessions';
 
 const SHOWN_FIRST = 8;
 
-function Line({ session }: { session: Session }) {
+function Line({ session, worries }: { session: Session; worries: readonly Worry[] }) {
   const loss = lossText(session);
   return (
     <li className="session-line">
@@ -24,6 +24,13 @@ function Line({ session }: { session: Session }) {
           {session.source === 'upload' && ` · ${t('session.uploaded')}`}
         </span>
         {loss && <span className="small">{loss}</span>}
+        {worries.length > 0 && (
+          <span className="session-worries">
+            {worries.map((one) => (
+              <ReasonMark key={one.kind} reason={one.kind} />
+            ))}
+          </span>
+        )}
       </Link>
       {(session.state !== 'analysed' || isLive(session.state)) && <StateMark state={session.state} />}
     </li>
@@ -33,6 +40,7 @@ function Line({ session }: { session: Session }) {
 export function SessionPanel({ patient }: { patient: Patient }) {
   const sessions = usePatientSessions(patient.id);
   const walks = useWalks(patient.id);
+  const worries = usePatientWorries(patient.id).data ?? [];
   const [showsAll, setShowsAll] = useState(false);
   return (
     <section className="card" aria-labelledby="sessions">
@@ -52,7 +60,7 @@ export function SessionPanel({ patient }: { patient: Patient }) {
             <>
               <ul className="plain-list lines">
                 {(showsAll ? list : list.slice(0, SHOWN_FIRST)).map((one) => (
-                  <Line key={one.id} session={one} />
+                  <Line key={one.id} session={one} worries={worries.filter((of) => of.session_id === one.id)} />
                 ))}
               </ul>
               {showsAll && <ShowMore of={sessions} />}

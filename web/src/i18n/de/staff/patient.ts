@@ -143,6 +143,8 @@ export const patient: Translated<typeof english> = {
   'audit.session.ticket': 'hat sich mit einer Sitzung verbunden',
   'audit.session.view': 'hat die 3D-Ansicht einer Sitzung geöffnet',
   'audit.session.watch': 'hat eine Sitzung live angesehen',
+  'audit.worry.list': 'hat Schmerzen und andere Ereignisse angesehen',
+  'audit.worry.seen': 'hat ein Ereignis als gesehen markiert',
   'audit.template.change': 'hat eine Vorlage umbenannt oder mit Stichwörtern versehen',
   'audit.template.list': 'hat die Vorlagen angesehen',
   'audit.template.preview': 'hat eine Sitzung in Wiederholungen geteilt',

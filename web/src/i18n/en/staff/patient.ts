@@ -138,6 +138,8 @@ export const patient = {
   'audit.session.ticket': 'connected to a session',
   'audit.session.view': 'opened the 3D view of a session',
   'audit.session.watch': 'watched a session live',
+  'audit.worry.list': 'viewed pain and other events',
+  'audit.worry.seen': 'marked an event as seen',
   'audit.template.change': 'renamed or tagged a template',
   'audit.template.list': 'viewed the templates',
   'audit.template.preview': 'divided a session into repetitions',
