@@ -145,8 +145,9 @@ validate: $(VENV)/installed ## Published experiments, ours beside theirs
 accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md anew; DATA=folder of recordings
 	@$(BIN)/telemotion validate --seeds 50 --processes 2 --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
 
-lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
+lock: ## Rewrite the lock files from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
+	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --no-annotate --constraint requirements.lock --python-version 3.11 pyproject.toml -o requirements-service.lock
 	grep -oE '"(nats|paho)-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
 
 wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client

@@ -31,10 +31,12 @@ from app.observation import observe_part
 from app.recordings.analysis.jobs import JobDone, JobRunner
 from app.recordings.files_in_passing import remove_orphans
 from app.scaled import fencing
-from app.scaled.broker import Broker, connect
+from app.scaled.broker import Broker, connect, user_of
 from app.scaled.edge.feed import FeedBus
 from app.scaled.edge.forwarding import forwarding_router
 from app.scaled.edge.side import EdgeSide
+from app.scaled.fencing import holders
+from app.scaled.mqtt.callout import callout_of
 from app.scaled.mqtt.door import open_door
 from app.scaled.wire import Answer, Request, partition_of, subject
 from app.scaled.worker.holder import Worker
@@ -69,9 +71,12 @@ async def open_edge(
     """Open what an edge needs; see `app.main.open_services`."""
     services = await open_foundation(settings, stack, lock, passwords, is_one_of_many=True)
     name = process_name("edge")
-    broker = services.add(await connect(settings, name))
+    broker = services.add(await connect(settings, name, is_edge=True))
     stack.push_async_callback(broker.close)
-    feed = services.add(FeedBus(broker, name), MemoryBus)
+    # Below its user's name nobody else may hear what workers send it.
+    feed = services.add(
+        FeedBus(broker, f"{user_of(settings)}.{name}", partial(holders, services.engine)), MemoryBus
+    )
     await feed.start()
     stack.push_async_callback(feed.stop)
     prepare_processes()
@@ -86,7 +91,7 @@ async def open_edge(
     await open_viewer(services, stack)
     await _watch_readiness(services, stack, lock)
     if settings.mqtt:
-        door = open_door(settings, services.engine, broker, side)
+        door = open_door(settings, broker, side)
         await door.start()
         stack.push_async_callback(door.stop)
         measured["mqtt_gateways"] = ("Of them by MQTT.", lambda: door.count)
@@ -149,6 +154,10 @@ class _WorkerOpening:
         stack.callback(measuring.cancel)
         worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
         services.add(worker.bus, MemoryBus)
+        if settings.mqtt:
+            callout = callout_of(settings, services.engine, broker)
+            await callout.start()
+            stack.push_async_callback(callout.stop)
         tasks = Tasks(services, broker)
         await tasks.start()
         stack.push_async_callback(tasks.stop)
@@ -185,6 +194,10 @@ def _observe_worker(services: Services, worker: Worker, shared: OfWorker) -> Reg
             "late_packets": (
                 "Packets that came out of the streams after their session was closed.",
                 lambda: shared.late_packets,
+            ),
+            "refused_messages": (
+                "Messages of the streams that are not from an edge of this service.",
+                lambda: shared.refused_messages,
             ),
             "live_busy": (
                 "Share of a processor that the thread of live sessions uses.",

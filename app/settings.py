@@ -199,6 +199,11 @@ class Settings(BaseSettings):
         default=SecretStr("nats://127.0.0.1:4222"),
         description="Of an edge or worker: addresses of NATS servers, separated by commas; tls:// for TLS.",
     )
+    nats_edge_url: SecretStr = Field(
+        default=SecretStr(""),
+        description="Of `telemotion nats-config`: what each edge has as TELEMOTION_NATS_URL, separated by commas;"
+        " a user of its own for each.",
+    )
     nats_credentials: Path | None = Field(
         default=None,
         description="File for NATS: .creds, or the private NKEY of a user; none where the address has a password.",
@@ -208,7 +213,7 @@ class Settings(BaseSettings):
     )
     mqtt: bool = Field(
         default=False,
-        description="Of an edge: take gateways by MQTT, through NATS servers configured by `telemotion nats-config`.",
+        description="Of an edge or worker: take gateways by MQTT, through NATS servers of `telemotion nats-config`.",
     )
     partitions: int = Field(
         default=8,

@@ -29,6 +29,8 @@ from app.settings import Settings
 
 EDGES: Final = 2
 WORKERS: Final = 2
+USERS: Final = ("edge-1", "edge-2", "worker")
+"""Of NATS: one for each edge, one for the workers."""
 NATS_PORT: Final = 4322
 """Not the usual one, where a server of somebody else may be."""
 MQTT_PORT: Final = 1884
@@ -69,8 +71,8 @@ def demo_scaled(port: int, folder: Path) -> None:
     with ExitStack() as stack:
         url = stack.enter_context(_postgresql(folder))
         progress = prepare(url, folder / "data")
-        nats_url = f"nats://telemotion:{secrets.token_urlsafe(24)}@127.0.0.1:{NATS_PORT}"
-        file = _configured(folder, nats_url)
+        nats = {one: _nats_url(name) for one, name in zip((*ports[:EDGES], None), USERS, strict=True)}
+        file = _configured(folder, nats[None], [nats[one] for one in ports[:EDGES]])
         stack.enter_context(_running([server, "-c", str(file)], {}, folder / "nats.log"))
         kinds = ["edge"] * EDGES + ["worker"] * WORKERS
         parts = dict(zip(ports, kinds, strict=True))
@@ -82,7 +84,7 @@ def demo_scaled(port: int, folder: Path) -> None:
         for together in (ports[-1:], ports[:-1]):
             for one in together:
                 command = [sys.executable, "-m", "app.cli", parts[one], "--port", str(one)]
-                environment = _environment(url, nats_url, folder, one)
+                environment = _environment(url, nats.get(one, nats[None]), folder, one)
                 running[one] = stack.enter_context(_running(command, environment, None))
             _until_ready(running)
         address = f"http://127.0.0.1:{port}"
@@ -118,9 +120,14 @@ def _postgresql(folder: Path) -> Iterator[str]:
         server.cleanup()
 
 
-def _configured(folder: Path, nats_url: str) -> Path:
-    """Write the configuration of the NATS server; its password is one of this run."""
-    settings = Settings(demo=True, nats_url=SecretStr(nats_url))
+def _nats_url(user: str) -> str:
+    """Return the address by which a part shows NATS who it is; the password is one of this run."""
+    return f"nats://{user}:{secrets.token_urlsafe(24)}@127.0.0.1:{NATS_PORT}"
+
+
+def _configured(folder: Path, worker: str, edges: Sequence[str]) -> Path:
+    """Write the configuration of the NATS server."""
+    settings = Settings(demo=True, nats_url=SecretStr(worker), nats_edge_url=SecretStr(",".join(edges)))
     text = configuration(
         settings,
         listen=f"127.0.0.1:{NATS_PORT}",

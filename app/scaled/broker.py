@@ -8,6 +8,7 @@ import ssl
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
+from urllib.parse import urlsplit
 
 import nats
 from nats.aio.client import Client
@@ -19,7 +20,7 @@ from nats.protocol.parser import PERMISSIONS_ERR
 
 from app.errors import InvalidInput
 from app.scaled.credentials import read_credentials
-from app.scaled.wire import subject
+from app.scaled.wire import Seal, subject
 from app.sentences import say
 from app.settings import Settings
 
@@ -84,6 +85,7 @@ class Broker:
     def __init__(self, client: Client, settings: Settings) -> None:
         self.client = client
         self.partitions = settings.partitions
+        self.seal = Seal(settings.key_for("edge-to-worker"))
         self.streams: JetStreamContext = client.jetstream()
         self._settings = settings
         self.leases: KeyValue
@@ -150,14 +152,26 @@ def stream_name(partition: int) -> str:
     return f"telemotion-in-{partition}"
 
 
-async def connect(settings: Settings, name: str) -> Broker:
-    """Return a broker that is connected and prepared; afterwards it reconnects for ever.
+def user_of(settings: Settings) -> str:
+    """Return the name by which a process shows NATS who it is, as its address has it; `edge` where it has none."""
+    return urlsplit(settings.nats_url.get_secret_value().split(",")[0]).username or "edge"
+
+
+def inbox_of(user: str) -> str:
+    """Return below which subject answers come to an edge: no other edge may listen there."""
+    return f"_INBOX.{user}"
+
+
+async def connect(settings: Settings, name: str, *, is_edge: bool = False) -> Broker:
+    """Return a broker that is connected; afterwards it reconnects for ever.
 
     Parameters
     ----------
     settings : Settings
     name : str
         Of this process, as NATS lists it.
+    is_edge : bool
+        It makes no streams, which an edge may not; a worker has made them, or will.
 
     Raises
     ------
@@ -180,6 +194,8 @@ async def connect(settings: Settings, name: str) -> Broker:
     options: dict[str, Any] = {}
     if settings.nats_ca is not None:
         options["tls"] = ssl.create_default_context(cafile=str(settings.nats_ca))
+    if is_edge:
+        options["inbox_prefix"] = inbox_of(user_of(settings))
     client = _Client(settings.nats_credentials)
     found: asyncio.Future[Broker] = asyncio.get_running_loop().create_future()
 
@@ -203,7 +219,8 @@ async def connect(settings: Settings, name: str) -> Broker:
                 **options,
             )
         broker = Broker(client, settings)
-        await broker.prepare()
+        if not is_edge:
+            await broker.prepare()
     except (OSError, nats.errors.Error) as error:
         await client.close()
         if refusal:

@@ -26,6 +26,7 @@ PATIENCE_MS: Final = 400
 """So long the transactions of an earlier holder may still end by themselves."""
 _OPTION: Final = "fence"
 _TABLE: Final[Any] = PartitionHold.__table__
+_HOLDERS: Final = select(_TABLE.c.partition, _TABLE.c.fencing)
 
 
 class FencedError(Conflict):
@@ -101,6 +102,17 @@ def take_over(engine: Engine, partition: int, holder: str) -> tuple[int, int]:
             _end_transactions(engine, partition, holder)
 
 
+def holders(engine: Engine) -> dict[int, int]:
+    """Return the fencing number of every partition that was ever held.
+
+    Parameters
+    ----------
+    engine : Engine
+    """
+    with engine.connect() as connection:
+        return {row.partition: row.fencing for row in connection.execute(_HOLDERS)}
+
+
 def _end_transactions(engine: Engine, partition: int, holder: str) -> None:
     with engine.begin() as connection:
         before = connection.scalar(select(_TABLE.c.holder).where(_TABLE.c.partition == partition))
@@ -114,4 +126,4 @@ def _end_transactions(engine: Engine, partition: int, holder: str) -> None:
             )
 
 
-__all__ = ["Fence", "FencedError", "fenced", "install", "take_over"]
+__all__ = ["Fence", "FencedError", "fenced", "holders", "install", "take_over"]

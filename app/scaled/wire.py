@@ -2,9 +2,15 @@
 
 Everything is MessagePack of typed records; a record of an unknown kind is refused. Subjects begin with `telemotion`:
 `in.P` is the stream of partition P, `ask.P` are requests to whoever holds it, `here.P` says what an edge wants of it,
-`taken.P` that somebody has taken it, `to.EDGE` is all that an edge receives, `alive.WORKER` is answered by a worker.
+`taken.P` that somebody has taken it, `to.USER.EDGE` is all that an edge receives, `alive.WORKER` is answered by a
+worker.
+
+An edge may publish to the first three and hear the fourth and its own (`app.scaled.mqtt.configuration`). What it
+publishes is sealed with the service's secret (`Seal`): who has no more than an edge's password for NATS says nothing
+that a worker takes.
 """
 
+import hmac
 from dataclasses import fields
 from hashlib import blake2b
 from typing import Any, Final
@@ -38,8 +44,56 @@ def partition_of(session_id: str, partitions: int) -> int:
 
 
 def subject(name: str, of: int | str) -> str:
-    """Return a subject of a partition, an edge or a worker: `in`, `ask`, `here`, `taken`, `to` or `alive`."""
+    """Return a subject of a partition, an edge or a worker: `in`, `ask`, `here`, `taken`, `done`, `to` or `alive`."""
     return f"{ROOT}.{name}.{of}"
+
+
+class NotSealed(ValueError):
+    """A message is not from an edge or worker with this service's secret, or was not for this subject."""
+
+
+class Seal:
+    """Marks what edges send workers, and knows the mark.
+
+    Parameters
+    ----------
+    key : bytes
+        The same in all edges and workers, from the service's secret.
+    """
+
+    SIZE: Final = 16
+
+    def __init__(self, key: bytes) -> None:
+        self._key = key
+
+    def close(self, name: str, data: bytes) -> bytes:
+        """Return a message with its mark before it.
+
+        Parameters
+        ----------
+        name : str
+            Its subject.
+        data : bytes
+        """
+        return self._mark(name, data) + data
+
+    def open(self, name: str, sealed: bytes) -> bytes:
+        """Return a message without its mark; see `close`.
+
+        Raises
+        ------
+        NotSealed
+            It has none, or another subject's.
+        """
+        mark, data = sealed[: self.SIZE], sealed[self.SIZE :]
+        if not hmac.compare_digest(mark, self._mark(name, data)):
+            raise NotSealed(name)
+        return data
+
+    def _mark(self, name: str, data: bytes) -> bytes:
+        made = blake2b(name.encode() + b"\0", digest_size=self.SIZE, key=self._key)
+        made.update(data)
+        return made.digest()
 
 
 class PacketEntry(msgspec.Struct, array_like=True, tag=0):

@@ -34,8 +34,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " TELEMOTION_NATS_URL, or the file that TELEMOTION_NATS_CREDENTIALS names.",
     "scaled.no_credentials": "{path} is no file of credentials for NATS: {reason}. It is a .creds file, or has the"
     " private NKEY of a user (SU...).",
-    "scaled.no_nats_password": "TELEMOTION_NATS_URL must name a user and a password, as in"
-    " nats://telemotion:PASSWORD@host:4222.",
+    "scaled.no_nats_password": "TELEMOTION_NATS_URL and each address in TELEMOTION_NATS_EDGE_URL must name a user and a"
+    " password, as in nats://edge-1:PASSWORD@host:4222.",
+    "scaled.nats_user_name": "The name of a NATS user may have letters, digits, - and _, at most 40 of them.",
+    "scaled.one_nats_user": "An edge must not have the user or the password of the workers: name users of their own in"
+    " TELEMOTION_NATS_EDGE_URL.",
     "scaled.unread_packets": "This backup has packets that no worker had stored; restore it to PostgreSQL and NATS"
     " first.",
     "scaled.other_partitions": "This backup has {count:number} partitions; set TELEMOTION_PARTITIONS to that number.",

@@ -23,6 +23,8 @@ from tests.benchmarks.service import ROOT, SECRET, add_clinic, add_patient, comp
 from tests.patience import PATIENCE_S
 from tests.scaled.tls.certificates import Authority
 
+MOST_EDGES = 4
+"""That the broker knows; a test that needs more finds out at once."""
 SERVER = shutil.which("nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
 
 
@@ -58,9 +60,16 @@ class Cluster:
 
     @property
     def nats_url(self) -> str:
-        """Where edges and workers find the broker."""
+        """Where workers find the broker."""
+        return self._nats_url("worker")
+
+    def edge_url(self, name: str) -> str:
+        """Return where an edge finds the broker."""
+        return self._nats_url(name)
+
+    def _nats_url(self, user: str) -> str:
         scheme = "tls" if self.authority else "nats"
-        return f"{scheme}://telemotion:only-for-tests@127.0.0.1:{self.nats_port}"
+        return f"{scheme}://{user}:only-for-tests-of-{user}@127.0.0.1:{self.nats_port}"
 
     @property
     def mqtt_url(self) -> str:
@@ -83,7 +92,10 @@ class Cluster:
         """Start NATS on its port and folder, also anew."""
         assert SERVER, "nats-server is in the test extra"
         file = self.folder / "nats.conf"
-        settings = Settings(secret_key=SecretStr(SECRET), nats_url=SecretStr(self.nats_url))
+        edges = ",".join(self.edge_url(f"edge{number}") for number in range(MOST_EDGES))
+        settings = Settings(
+            secret_key=SecretStr(SECRET), nats_url=SecretStr(self.nats_url), nats_edge_url=SecretStr(edges)
+        )
         text = configuration(
             settings,
             listen=f"127.0.0.1:{self.nats_port}",
@@ -102,6 +114,8 @@ class Cluster:
         port = self.ports[name] = self.ports.get(name) or free_port()
         code = f"{self.before.get(name, '')}\nfrom app.commands.scaled import {kind}; {kind}('127.0.0.1', {port})"
         environment = self.environment(port) | {"TELEMOTION_LOG_LEVEL": "info"}
+        if kind == "edge":
+            environment["TELEMOTION_NATS_URL"] = self.edge_url(name)
         with (self.folder / f"{name}.log").open("ab") as log:
             self.processes[name] = subprocess.Popen(
                 [sys.executable, "-c", code], env=environment, cwd=ROOT, stderr=log, stdout=log

@@ -90,7 +90,8 @@ class Outbox:
                         durable()
 
     async def _until_acknowledged(self, entries: Iterable[Entry]) -> None:
-        data, headers = encode(list(entries)), {"Nats-Msg-Id": new_id()}
+        data = self._broker.seal.close(self._subject, encode(list(entries)))
+        headers = {"Nats-Msg-Id": new_id()}
         while True:
             try:
                 await self._broker.streams.publish(self._subject, data, timeout=ANSWER_S, headers=headers)

@@ -124,16 +124,12 @@ class EdgeSide(LiveSide):
     async def first_messages(self, stored: repository.StoredSession) -> Sequence[Schema]:
         """Return what a view receives when it connects: of the session's worker, else what is stored."""
         try:
-            answer = await self._broker.client.request(
-                subject("ask", self._partition(stored.id)),
-                encode(Look(self._feed.edge, stored.id)),
-                timeout=LOOK_S,
-            )
+            answer = await self._question(stored.id, Look(self._feed.edge, stored.id), LOOK_S)
         except nats.errors.Error:
             # The partition is on its way to another worker; what comes next is said on the bus.
             layout = await asyncio.to_thread(stored_layout, stored)
             return [layout, stored_state(stored)]
-        return [unpack_message(one) for one in decode_published(answer.data)]
+        return [unpack_message(one) for one in decode_published(answer)]
 
     async def ask(self, session_id: str, request: Request) -> Answer:
         """Let the worker that holds a session answer a request.
@@ -144,12 +140,17 @@ class EdgeSide(LiveSide):
             Nobody holds its partition at this moment.
         """
         try:
-            answer = await self._broker.client.request(
-                subject("ask", self._partition(session_id)), encode(request), timeout=REQUEST_S
-            )
+            answer = await self._question(session_id, request, REQUEST_S)
         except nats.errors.Error as error:
             raise Unavailable(say("scaled.moving"), retry_after_s=1, reason="moving") from error
-        return decode_answer(answer.data)
+        return decode_answer(answer)
+
+    async def _question(self, session_id: str, question: Look | Request, patience_s: float) -> bytes:
+        """Return what whoever holds a session's partition answers."""
+        name = subject("ask", self._partition(session_id))
+        asked = self._broker.seal.close(name, encode(question))
+        answer: bytes = (await self._broker.client.request(name, asked, timeout=patience_s)).data
+        return answer
 
 
 __all__ = ["EdgeSide"]

@@ -7,16 +7,20 @@ from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
 from nats.aio.msg import Msg
+from sqlalchemy import Engine
 
+from app.accounts.credentials import tickets
+from app.database.unit_of_work import read_only
 from app.network.mqtt import DOWN, UP, connection_name, subject
 from app.scaled.broker import Broker
-from app.scaled.mqtt.configuration import GATEWAYS
+from app.scaled.mqtt.configuration import GATEWAYS, issuer_of
 from app.scaled.mqtt.issuer import Issuer, claims_of
+from app.settings import Settings
 
 logger = logging.getLogger(__name__)
 
 SUBJECT: Final = "$SYS.REQ.USER.AUTH"
-EDGES: Final = "edges"
+WORKERS: Final = "workers"
 """Of those that listen, one is asked."""
 MOST_BYTES: Final = 256 << 10
 """Of a message; a longer one ends the connection."""
@@ -46,10 +50,10 @@ class Callout:
 
     async def start(self) -> None:
         """Begin to answer."""
-        self._subscription = await self._broker.client.subscribe(SUBJECT, queue=EDGES, cb=self._asked)
+        self._subscription = await self._broker.client.subscribe(SUBJECT, queue=WORKERS, cb=self._asked)
 
     async def stop(self) -> None:
-        """Leave it to other edges."""
+        """Leave it to other workers."""
         if self._subscription is not None:
             await self._subscription.unsubscribe()
 
@@ -101,4 +105,27 @@ class Callout:
         return {"jwt": self._issuer.sign(right)}
 
 
-__all__ = ["Callout"]
+def callout_of(settings: Settings, engine: Engine, broker: Broker) -> Callout:
+    """Return the callout of a worker; it answers nobody before its start.
+
+    An edge does not answer: whoever does may sign a right to anything.
+
+    Parameters
+    ----------
+    settings : Settings
+    engine : Engine
+        Where tickets are.
+    broker : Broker
+    """
+
+    def look(ticket: str) -> bool:
+        with read_only(engine) as session:
+            return tickets.is_open(session, ticket, "ingest")
+
+    async def is_open(ticket: str) -> bool:
+        return await asyncio.to_thread(look, ticket)
+
+    return Callout(broker, issuer_of(settings), is_open, settings.session_limit_hours * 3600.0)
+
+
+__all__ = ["Callout", "callout_of"]

@@ -8,11 +8,8 @@ from typing import Any, Final
 
 import nats
 from nats.aio.msg import Msg
-from sqlalchemy import Engine
 from starlette.websockets import WebSocketDisconnect
 
-from app.accounts.credentials import tickets
-from app.database.unit_of_work import read_only
 from app.errors import SignInRequired, Unavailable
 from app.ingest.contract import Intake, PacketSink
 from app.ingest.websocket import IngestConnection
@@ -21,8 +18,6 @@ from app.network.messages import HelloMessage
 from app.network.mqtt import connection_name, subject
 from app.network.pace import pause_s
 from app.scaled.broker import Broker
-from app.scaled.mqtt.callout import EDGES, Callout
-from app.scaled.mqtt.configuration import issuer_of
 from app.scaled.mqtt.link import MqttLink
 from app.sentences import say
 from app.settings import Settings
@@ -30,6 +25,10 @@ from app.settings import Settings
 logger = logging.getLogger(__name__)
 
 END_S: Final = 3.0
+EDGES: Final = "edges"
+"""Of those that listen, one hears a hello."""
+MOST_HEARD: Final = 100_000
+"""Names of connections that said hello, of which each says so once; the oldest are forgotten."""
 
 
 class OwnSession:
@@ -57,8 +56,6 @@ class MqttDoor:
     ----------
     broker : Broker
     sink : PacketSink
-    callout : Callout
-        Says who may connect.
     speed : float
         As of `IngestConnection`.
     most : int
@@ -71,14 +68,14 @@ class MqttDoor:
         self,
         broker: Broker,
         sink: PacketSink,
-        callout: Callout,
         speed: float,
         most: int,
         drain_s: float = 0.0,
     ) -> None:
-        self._broker, self._sink, self._callout = broker, sink, callout
+        self._broker, self._sink = broker, sink
         self._speed, self._most, self._drain_s = speed, most, drain_s
         self._served: dict[str, tuple[MqttLink, asyncio.Task[None]]] = {}
+        self._heard: dict[str, None] = {}
         self._hellos: Any = None
         self._forget: Callable[[], None] = lambda: None
 
@@ -89,7 +86,6 @@ class MqttDoor:
 
     async def start(self) -> None:
         """Begin to let gateways in."""
-        await self._callout.start()
         everybody = subject("*", "hello")
         self._hellos = await self._broker.client.subscribe(everybody, queue=EDGES, cb=self._hello)
         self._forget = self._broker.on_back(self._lost)
@@ -98,7 +94,6 @@ class MqttDoor:
         """Let nobody in, and send gateways to another edge."""
         self._forget()
         with contextlib.suppress(nats.errors.Error):
-            await self._callout.stop()
             await self._hellos.unsubscribe()
         served = list(self._served.values())
         pause = pause_s(len(served), self._drain_s)
@@ -118,11 +113,15 @@ class MqttDoor:
 
     async def _hello(self, message: Msg) -> None:
         name = message.subject.split(".")[1]
-        if name in self._served:
+        # A ticket is used once, and names one connection: another hello on it can only be refused, again and again.
+        if name in self._heard:
             return
         if len(self._served) >= self._most:
             logger.warning("a gateway by MQTT is not let in: there are %d", self._most)
             return
+        self._heard[name] = None
+        while len(self._heard) > MOST_HEARD:
+            del self._heard[next(iter(self._heard))]
         link = MqttLink(self._broker.client, name)
         link.take(message.data)
         self._served[name] = link, asyncio.create_task(self._serve(link), name="mqtt gateway")
@@ -153,29 +152,17 @@ class MqttDoor:
                     await one.unsubscribe()
 
 
-def open_door(settings: Settings, engine: Engine, broker: Broker, sink: PacketSink) -> MqttDoor:
+def open_door(settings: Settings, broker: Broker, sink: PacketSink) -> MqttDoor:
     """Return the door of an edge; it lets nobody in before its start.
 
     Parameters
     ----------
     settings : Settings
-    engine : Engine
-        Where tickets are.
     broker : Broker
     sink : PacketSink
     """
-
-    def look(ticket: str) -> bool:
-        with read_only(engine) as session:
-            return tickets.is_open(session, ticket, "ingest")
-
-    async def is_open(ticket: str) -> bool:
-        return await asyncio.to_thread(look, ticket)
-
-    longest_s = settings.session_limit_hours * 3600.0
-    callout = Callout(broker, issuer_of(settings), is_open, longest_s)
     most = settings.limit_streams.service
-    return MqttDoor(broker, sink, callout, settings.stream_speed, most, settings.drain_seconds)
+    return MqttDoor(broker, sink, settings.stream_speed, most, settings.drain_seconds)
 
 
 __all__ = ["MqttDoor", "OwnSession", "open_door"]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Final
 
+import msgspec
 import nats
 from nats.aio.msg import Msg
 from nats.aio.subscription import Subscription
@@ -23,7 +24,7 @@ from app.recordings.signals.group_commit import GroupCommitWriter
 from app.scaled.broker import Broker, stream_name
 from app.scaled.checkpoints import save
 from app.scaled.fencing import Fence, fenced, take_over
-from app.scaled.wire import Answer, Request, decode_entries, subject
+from app.scaled.wire import Answer, Entry, NotSealed, Request, decode_entries, subject
 from app.scaled.worker.connections import Connections
 from app.scaled.worker.ending import end
 from app.scaled.worker.entries import Entries
@@ -125,7 +126,7 @@ class Partition:
         self.sessions.behind(lambda: self.waiting > 0 or self._entries.is_opening)
         for session_id in later:
             self._entries.take_up(self.position, session_id)
-        questions = Questions(self.sessions, self._outlet, self.connections, self._ask)
+        questions = Questions(self.sessions, self._outlet, self.connections, self._ask, self._broker.seal)
         client = self._broker.client
         for name, answer in (("ask", questions.ask), ("here", questions.hear), ("done", self._analysed)):
             self._subscriptions.append(await client.subscribe(subject(name, self.number), cb=answer))
@@ -178,11 +179,20 @@ class Partition:
 
     async def _read(self) -> None:
         async for sequence, data, waiting in read(self._broker, self.number, self.position):
-            for entry in decode_entries(data):
+            for entry in self._opened(data):
                 self._entries.take(sequence, entry)
             self.position, self.waiting = sequence, waiting
             while self._entries.is_behind:  # noqa: ASYNC110 - rare, and soon over
                 await asyncio.sleep(BEHIND_S)
+
+    def _opened(self, data: bytes) -> list[Entry]:
+        """Return what a message of the stream holds; nothing of one that no edge of this service has sent."""
+        try:
+            return decode_entries(self._broker.seal.open(subject("in", self.number), data))
+        except (NotSealed, msgspec.MsgspecError):
+            self._shared.refused_messages += 1
+            logger.warning("partition %d: a message of the stream is not from an edge; left out", self.number)
+            return []
 
     async def _drain(self, session_id: str) -> None:
         """Return when all is read that edges have taken of a session; its gateway is not listened to any more."""

@@ -12,7 +12,9 @@ from app.live.bus import topic
 from app.scaled.wire import (
     Answer,
     Look,
+    NotSealed,
     Request,
+    Seal,
     decode_here,
     decode_question,
     encode,
@@ -36,6 +38,8 @@ class Questions:
     outlet : Outlet
     connections : Connections
     answer : async callable(Request)
+    seal : Seal
+        Of what edges send.
     """
 
     def __init__(
@@ -44,14 +48,19 @@ class Questions:
         outlet: Outlet,
         connections: Connections,
         answer: Callable[[Request], Awaitable[Answer]],
+        seal: Seal,
     ) -> None:
         self._sessions, self._outlet, self._connections = sessions, outlet, connections
-        self._answer = answer
+        self._answer, self._seal = answer, seal
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def hear(self, message: Msg) -> None:
         """Take note of what an edge wants."""
-        here = decode_here(message.data)
+        try:
+            here = decode_here(self._seal.open(message.subject, message.data))
+        except NotSealed:
+            logger.warning("what an edge wants is not from an edge of this service")
+            return
         self._outlet.hear(here)
         for session_id, connection in here.connections.items():
             try:
@@ -67,7 +76,7 @@ class Questions:
 
     async def _respond(self, message: Msg) -> None:
         try:
-            question = decode_question(message.data)
+            question = decode_question(self._seal.open(message.subject, message.data))
             if isinstance(question, Look):
                 await message.respond(await self._look(question))
             else:

@@ -41,6 +41,8 @@ class OfWorker(Shared):
     limits: Limits
     ahead: Preparation | None = None
     late_packets: int = 0
+    refused_messages: int = 0
+    """Of the streams, that no edge of this service has sent."""
     """Packets that came out of the stream after their session was closed."""
 
 

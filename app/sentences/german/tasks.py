@@ -85,8 +85,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " TELEMOTION_NATS_URL oder die Datei, die TELEMOTION_NATS_CREDENTIALS nennt.",
     "scaled.no_credentials": "{path} ist keine Datei mit Zugangsdaten für NATS: {reason}. Erwartet wird eine"
     " .creds-Datei oder der geheime NKEY eines Benutzers (SU...).",
-    "scaled.no_nats_password": "TELEMOTION_NATS_URL muss Namen und Passwort nennen, wie in"
-    " nats://telemotion:PASSWORT@rechner:4222.",
+    "scaled.no_nats_password": "TELEMOTION_NATS_URL und jede Adresse in TELEMOTION_NATS_EDGE_URL müssen Namen und"
+    " Passwort nennen, wie in nats://edge-1:PASSWORT@rechner:4222.",
+    "scaled.nats_user_name": "Der Name eines NATS-Benutzers darf Buchstaben, Ziffern, - und _ haben, höchstens 40.",
+    "scaled.one_nats_user": "Ein Zugangsrechner (edge) darf nicht Namen oder Passwort der Arbeitsrechner (worker)"
+    " haben: Nennen Sie eigene Benutzer in TELEMOTION_NATS_EDGE_URL.",
     "scaled.unread_packets": "Diese Sicherung hat Pakete, die noch kein Arbeitsrechner (worker) gespeichert"
     " hatte; stellen Sie sie zuerst auf PostgreSQL und NATS wieder her.",
     "scaled.other_partitions": "Diese Sicherung hat {count:number} Teile; setzen Sie TELEMOTION_PARTITIONS auf diese"

@@ -19,6 +19,8 @@ from tests.app.serving import free_port
 from tests.patience import PATIENCE_S
 from tests.scaled.cluster import SERVER
 
+EDGES = ("edge-1", "edge-2")
+
 
 def launch(folder: Path) -> subprocess.Popen[bytes]:
     """Start a server with the configuration in a folder."""
@@ -31,7 +33,10 @@ async def running(folder: Path) -> AsyncIterator[tuple[Settings, Broker, int]]:
     """Run a server; gives settings, a connection of the service, and the port for MQTT."""
     port, mqtt_port = free_port(), free_port()
     settings = Settings(
-        demo=True, nats_url=SecretStr(f"nats://telemotion:pass-word_1@127.0.0.1:{port}"), partitions=1
+        demo=True,
+        nats_url=SecretStr(f"nats://worker:pass-word_1@127.0.0.1:{port}"),
+        nats_edge_url=SecretStr(",".join(f"nats://{one}:{one}-word@127.0.0.1:{port}" for one in EDGES)),
+        partitions=1,
     )
     text = configuration(
         settings, listen=f"127.0.0.1:{port}", mqtt=f"127.0.0.1:{mqtt_port}", store=str(folder / "nats")

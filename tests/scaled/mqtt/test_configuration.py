@@ -24,7 +24,8 @@ SECRET = "only-for-tests-0123456789-abcdefghijkl"
 @pytest.fixture(autouse=True)
 def settings(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TELEMOTION_SECRET_KEY", SECRET)
-    monkeypatch.setenv("TELEMOTION_NATS_URL", "nats://telemotion:pass-word@127.0.0.1:4222")
+    monkeypatch.setenv("TELEMOTION_NATS_URL", "nats://worker:pass-word@127.0.0.1:4222")
+    monkeypatch.setenv("TELEMOTION_NATS_EDGE_URL", "nats://edge-1:a-word@127.0.0.1:4222")
 
 
 def test_the_command_writes_what_the_server_takes_and_only_its_owner_reads(tmp_path: Path) -> None:

@@ -12,9 +12,14 @@ from app.cli import cli
 from app.settings import PREFIX, Settings
 
 DOCKER = Path(__file__).resolve().parents[3] / "docker"
-SECRETS = dict.fromkeys(
-    ("TELEMOTION_SECRET_KEY", "POSTGRES_PASSWORD", "NATS_PASSWORD"), "0123456789abcdef" * 4
+NAMES = (
+    "TELEMOTION_SECRET_KEY",
+    "POSTGRES_PASSWORD",
+    "NATS_WORKER_PASSWORD",
+    "NATS_EDGE_1_PASSWORD",
+    "NATS_EDGE_2_PASSWORD",
 )
+SECRETS = {name: f"{number}123456789abcdef" * 4 for number, name in enumerate(NAMES)}
 GIVEN = SECRETS | {"TELEMOTION_BASE_URL": "https://clinic.example"}
 _VARIABLE = re.compile(r"\$\{(\w+):\?[^}]*\}")
 
@@ -66,6 +71,27 @@ def test_variables_are_settings_that_the_service_takes(
             settings = Settings(_env_file=None)
         assert settings.mqtt
         assert settings.database_url.startswith("postgresql://telemotion:")
+
+
+def test_an_edge_has_a_user_of_its_own_and_no_password_of_another(ours: dict[str, dict[str, Any]]) -> None:
+    shown = {
+        name: ours[name]["environment"]["TELEMOTION_NATS_URL"] for name in ("edge-1", "edge-2", "worker-1")
+    }
+    assert len(set(shown.values())) == 3
+    config = ours["nats-config"]["environment"]
+    assert config["TELEMOTION_NATS_URL"] == shown["worker-1"]
+    assert config["TELEMOTION_NATS_EDGE_URL"].replace(" ", "").split(",") == [
+        shown["edge-1"],
+        shown["edge-2"],
+    ]
+    for name in ("edge-1", "edge-2"):
+        known = " ".join(ours[name]["environment"].values())
+        others = [
+            word
+            for word in SECRETS
+            if word.startswith("NATS") and word != f"NATS_{name.upper().replace('-', '_')}_PASSWORD"
+        ]
+        assert not any(SECRETS[word] in known for word in others)
 
 
 def test_addresses_and_ports_are_those_at_which_the_parts_listen(

@@ -168,6 +168,9 @@ class WithCredentials(Cluster):
     def nats_url(self) -> str:
         return f"nats://127.0.0.1:{self.nats_port}"
 
+    def edge_url(self, name: str) -> str:
+        return self.nats_url
+
     def environment(self, port: int) -> dict[str, str]:
         file = self.folder / "user.creds"
         if not file.exists():
