@@ -63,6 +63,7 @@ from app.live.replay import router as replay_router
 from app.live.session.opening import Place
 from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
+from app.live.wrong_tickets import WrongTickets
 from app.observation import observe
 from app.patients.endpoints import router as patients_router
 from app.recordings.analysis.jobs import Handler, JobRunner
@@ -247,6 +248,7 @@ async def open_foundation(
         counting = partial(StoredCounter, engine=engine, settings=settings)
     services.add(SignInLimits(counting=counting))
     services.add(PairingBook(settings, counting=counting))
+    services.add(WrongTickets())
     refused = services.add(RefusedSignIns(engine, settings))
     stack.push_async_callback(partial(to_thread.run_sync, refused.close))
     services.add(DiskUse(engine, settings.clinic_disk_bytes))

@@ -7,6 +7,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected
 
 from app.ingest.websocket import IngestConnection
 from app.live.side import LiveSide
+from app.live.wrong_tickets import CountedSink, WrongTickets
 from app.network.lean_sockets import lean_socket
 from app.services import services_of
 
@@ -19,7 +20,9 @@ async def ingest(websocket: WebSocket) -> None:
     await websocket.accept()
     services = services_of(websocket)
     speed = services.settings.stream_speed
-    connection = IngestConnection(websocket, services.get(LiveSide), speed, lean_socket(websocket))
+    address = websocket.client.host if websocket.client else ""
+    sink = CountedSink(services.get(LiveSide), services.get(WrongTickets), address)
+    connection = IngestConnection(websocket, sink, speed, lean_socket(websocket))
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
 

@@ -12,11 +12,18 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
-from app.accounts.credentials.tickets import Redeemed, issue_ticket, redeem_ticket
+from app.accounts.credentials.tickets import (
+    TICKET_REFUSED,
+    Purpose,
+    Redeemed,
+    is_open,
+    issue_ticket,
+    redeem_ticket,
+)
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict, NotFound, SafetyUnconfirmed, Unavailable
+from app.errors import Conflict, NotFound, SafetyUnconfirmed, SignInRequired, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS, withdraw
 from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live.session.states import OPEN
@@ -98,6 +105,7 @@ def open_by_ticket(
     SafetyUnconfirmed
         The session has a magnetic source that nobody has confirmed to be safe.
     """
+    _look_first(engine, ticket, "ingest")
     with unit_of_work(engine) as session:
         redeemed: Redeemed = redeem_ticket(session, ticket, "ingest")
         _require_safe(session, _row(session, redeemed.session_id), confirmation_hours)
@@ -106,8 +114,16 @@ def open_by_ticket(
     )
 
 
+def _look_first(engine: Engine, ticket: str, purpose: Purpose) -> None:
+    """Raise `SignInRequired` for a ticket that is none: strangers do not hold the lock of those who write."""
+    with read_only(engine) as session:
+        if not is_open(session, ticket, purpose):
+            raise SignInRequired(TICKET_REFUSED)
+
+
 def watch_by_ticket(engine: Engine, ticket: str, session_id: str) -> Subject:
     """Use a live ticket up and return whose it was; the caller then calls `authorise`."""
+    _look_first(engine, ticket, "live")
     with unit_of_work(engine) as session:
         return redeem_ticket(session, ticket, "live", session_id).subject
 

@@ -25,6 +25,7 @@ from app.live.bus import Subscription, topic
 from app.live.rights.patience import Patience
 from app.live.rights.questions import RightQuestion, still_allowed
 from app.live.side import LiveSide
+from app.live.wrong_tickets import WrongTickets
 from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
 from app.network.messages import ErrorMessage
@@ -84,7 +85,9 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
         raise SignInRequired(say("live.ticket_first")) from error
     except (ValidationError, KeyError) as error:
         raise InvalidInput(say("live.ticket_message")) from error
-    return await asyncio.to_thread(repository.watch_by_ticket, services.engine, ticket, session_id)
+    address = websocket.client.host if websocket.client else ""
+    with services.get(WrongTickets).counted(address):
+        return await asyncio.to_thread(repository.watch_by_ticket, services.engine, ticket, session_id)
 
 
 async def _serve(

@@ -36,6 +36,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "marker_fusion.up": "In the axes of the file, {axis} points up.",
     "marker_fusion.unit": "The numbers of the file look like {unit}, not {declared}: choose that unit.",
     "marker_fusion.inches": "Inches and centimetres seem to have been exchanged when the file was written.",
+    "hello.too_many": "Too many tickets from this address were not valid; try again in {seconds:s}.",
     "hello.first": "The first message must be a JSON hello.",
     "hello.timeout": "Send a hello within {seconds:s} of connecting.",
     "hello.not_understood": "The hello is not valid: {faults}",

@@ -19,7 +19,7 @@ from app.sentences import say
 
 LIFE = timedelta(seconds=30)
 Purpose = Literal["ingest", "live", "viewer"]
-_REFUSED = say("sign_in.ticket_refused")
+TICKET_REFUSED = say("sign_in.ticket_refused")
 
 
 @dataclass(frozen=True)
@@ -103,10 +103,10 @@ def redeem_ticket(session: Session, token: str, purpose: Purpose, session_id: st
         .execution_options(synchronize_session=False)
     )
     if not isinstance(used, CursorResult) or used.rowcount != 1:
-        raise SignInRequired(_REFUSED)
+        raise SignInRequired(TICKET_REFUSED)
     row = session.scalars(select(Ticket).where(Ticket.token_hash == hash_token(token))).one()
     if session_id is not None and row.session_id != session_id:
-        raise SignInRequired(_REFUSED)
+        raise SignInRequired(TICKET_REFUSED)
     return Redeemed(_subject(session, row), row.session_id)
 
 
@@ -138,7 +138,7 @@ def _subject(session: Session, row: Ticket) -> Subject:
         stands = row.sign_in_id is None or session.get(SignIn, row.sign_in_id) is not None
         if account is not None and account.is_active and stands:
             return account_subject(account, row.sign_in_id)
-    raise SignInRequired(_REFUSED)
+    raise SignInRequired(TICKET_REFUSED)
 
 
 def account_subject(account: Account | Row[*tuple[Any, ...]], sign_in_id: str | None = None) -> Subject:

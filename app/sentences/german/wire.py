@@ -3,6 +3,7 @@
 from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
+    "hello.too_many": "Zu viele Tickets von dieser Adresse waren ungültig; versuchen Sie es in {seconds:s} erneut.",
     "hello.first": "Die erste Nachricht muss ein JSON-Hello sein.",
     "hello.no_sensor": "Das Hello nennt keinen Sensor; führen Sie die Stellen in der Reihenfolge der Pakete auf.",
     "hello.not_understood": "Das Hello ist nicht gültig: {faults}",
