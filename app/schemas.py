@@ -62,10 +62,11 @@ def may_be_absent(**limits: Any) -> Any:
     limits
         As of `pydantic.Field`.
     """
-    return Field(default=None, json_schema_extra=_without_default, **limits)
+    return Field(default=None, json_schema_extra=without_default, **limits)
 
 
-def _without_default(schema: dict[str, Any]) -> None:
+def without_default(schema: dict[str, Any]) -> None:
+    """Leave the default out of what clients are told: absent is not null."""
     del schema["default"]
 
 

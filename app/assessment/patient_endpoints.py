@@ -11,12 +11,13 @@ from fastapi.responses import StreamingResponse
 from app.accounts.dependencies import CurrentAccount
 from app.assessment import practice
 from app.assessment.caseload import caseload
+from app.assessment.design import prescribing
 from app.assessment.exports.patient import export
 from app.assessment.progress import progress
 from app.assessment.records.erasure import erase
 from app.assessment.schemas import CaseloadRow, Progress
 from app.database.dependencies import ReadSession, WriteSession
-from app.exercises.schemas import PrescriptionIn, PrescriptionOut
+from app.exercises.schemas import PrescriptionChangeIn, PrescriptionIn, PrescriptionOut
 from app.pages import WantedPage
 from app.patients.schemas import ErasureIn
 from app.services import services_of
@@ -56,7 +57,24 @@ def create_prescription(
     patient_id: str, body: PrescriptionIn, subject: CurrentAccount, session: WriteSession, request: Request
 ) -> PrescriptionOut:
     """Prescribe an exercise; `is_twice` says that it is prescribed already."""
-    return practice.prescribe(session, subject, patient_id, body, services_of(request).settings.time_zone)
+    return prescribing.prescribe(session, subject, patient_id, body, services_of(request).settings.time_zone)
+
+
+@router.patch("/prescriptions/{prescription_id}", tags=["exercises"])
+def change_prescription(
+    prescription_id: str,
+    body: PrescriptionChangeIn,
+    subject: CurrentAccount,
+    session: WriteSession,
+    request: Request,
+) -> PrescriptionOut:
+    """Change dose, times, template or limits of a prescription; `changes` say what it was, who changed it and when.
+
+    Errors: `conflict` when somebody changed it since it was read, with who and when.
+    """
+    return prescribing.change(
+        session, subject, prescription_id, body, services_of(request).settings.time_zone
+    )
 
 
 @router.get(

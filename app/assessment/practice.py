@@ -18,15 +18,19 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import Clinic
 from app.accounts.subject import Subject
+from app.assessment.design.compiled import drawn_template
 from app.assessment.design.day import valid_of_the_day
 from app.assessment.design.dose import dose_of
+from app.assessment.design.limits import Reached, resting_pose, troubles_of
+from app.assessment.repository import newest_version
 from app.database.base import utc_now
 from app.exercises import repository as exercises
 from app.exercises.design import StopDesign
 from app.exercises.models import Prescription, TemplateVersion
-from app.exercises.schemas import PrescriptionIn, PrescriptionOut
+from app.exercises.schemas import PrescriptionChangeOut, PrescriptionOut
 from app.recordings.models import MotionSession
 from app.time_zones import time_zone, week_start
+from estimators.errors import EstimationError
 
 ADHERENCE_WINDOW = timedelta(days=28)
 WHEN = func.coalesce(MotionSession.started_at, MotionSession.created_at)
@@ -89,25 +93,24 @@ def list_prescriptions(
     return _with_practice(session, patient_id, rows, zone)
 
 
-def prescribe(
-    session: Session, subject: Subject, patient_id: str, body: PrescriptionIn, default_zone: str
+def with_practice_of(
+    session: Session, subject: Subject, one: tuple[Prescription, str, str | None], default_zone: str
 ) -> PrescriptionOut:
-    """Prescribe an exercise; what was done of it earlier this week counts, unless it counts for another prescription.
+    """Return a prescription beside the patient's others, as a list would have it; access was checked.
 
     Parameters
     ----------
     session : Session
     subject : Subject
-        With the level `treat`.
-    patient_id : str
-    body : PrescriptionIn
+    one : tuple
+        The prescription with the names of exercise and template.
     default_zone : str
         Setting `time_zone`.
     """
-    new = exercises.create_prescription(session, subject, patient_id, body)
-    others = [row for row in exercises.present_prescriptions(session, patient_id) if row[0].id != new[0].id]
+    patient_id = one[0].patient_id
+    others = [row for row in exercises.present_prescriptions(session, patient_id) if row[0].id != one[0].id]
     zone = zone_of(session, subject.clinic_id, default_zone)
-    return _with_practice(session, patient_id, [*others, new], zone)[-1]
+    return _with_practice(session, patient_id, [*others, one], zone)[-1]
 
 
 def counts() -> ColumnElement[bool]:
@@ -276,6 +279,7 @@ def _with_practice(
             )
         )
     )
+    changes = exercises.changes_of(session, [row[0].id for row in rows])
     answers = []
     for row, exercise, template in rows:
         dose = dose_of(row.repetitions, row.sets, ())
@@ -305,10 +309,33 @@ def _with_practice(
                 done_this_week=len(shared[row.id]),
                 repetitions_this_week=sum(one.repetitions for one in shared[row.id]),
                 active_s_this_week=sum(one.active_s for one in shared[row.id]),
+                number=1 + len(changes[row.id]),
+                changes=[
+                    PrescriptionChangeOut(changed_at=one.created_at, changed_by=name, before=one.before)
+                    for one, name in changes[row.id]
+                ],
+                troubles=_troubles(session, row),
                 is_twice=any(_run_together(row, other) for other, _, _ in rows),
             )
         )
     return answers
+
+
+def _troubles(session: Session, row: Prescription) -> list[str]:
+    """Return which stored limits cannot be kept, after an upgrade or with a newer version of the template."""
+    if row.template_id is None or not row.stops:
+        return []
+    version = newest_version(session, row.template_id)
+    if version is None:
+        return []
+    try:
+        drawn = drawn_template(version)
+    except EstimationError:
+        # It says so itself where it is shown.
+        return []
+    rest = resting_pose(session, row.patient_id, row.exercise_id)
+    stops = [StopDesign.model_validate(one) for one in row.stops]
+    return [text for _, text in troubles_of(stops, Reached(drawn, rest=rest))]
 
 
 def _run_together(one: Prescription, other: Prescription) -> bool:
@@ -329,7 +356,7 @@ __all__ = [
     "done_since",
     "last_done",
     "list_prescriptions",
-    "prescribe",
     "share_out",
+    "with_practice_of",
     "zone_of",
 ]

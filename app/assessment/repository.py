@@ -216,6 +216,16 @@ def treated_template(session: Session, subject: Subject, template_id: str) -> Te
     return template
 
 
+def newest_version(session: Session, template_id: str) -> TemplateVersion | None:
+    """Return the newest version of a template, the one that guides; access to the template was checked."""
+    return session.scalar(
+        select(TemplateVersion)
+        .where(TemplateVersion.template_id == template_id, TemplateVersion.is_published)
+        .order_by(TemplateVersion.number.desc())
+        .limit(1)
+    )
+
+
 def add_drawn_version(
     session: Session, subject: Subject, template: Template, version: TemplateVersion
 ) -> TemplateVersion:
@@ -332,6 +342,7 @@ __all__ = [
     "list_comparisons",
     "list_templates",
     "names_of_makers",
+    "newest_version",
     "prescribed_version",
     "treated_template",
 ]

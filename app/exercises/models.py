@@ -94,3 +94,17 @@ class Prescription(Identified, Base):
     prescribed_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
     starts_at: Mapped[datetime] = mapped_column(UtcDateTime)
     ends_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+
+class PrescriptionChange(Identified, Base):
+    """What a prescription was until a therapist changed it, and who did when."""
+
+    __tablename__ = "prescription_change"
+    __table_args__ = (UniqueConstraint("prescription_id", "number"),)
+
+    prescription_id: Mapped[str] = mapped_column(ForeignKey("prescription.id", ondelete="CASCADE"))
+    number: Mapped[int] = mapped_column(Integer)
+    """Of the state that ended, from 1: two changes of one state are refused, not laid over each other."""
+    before: Mapped[dict[str, Any]] = mapped_column(JSON)
+    """The fields that were changed, as they were."""
+    changed_by: Mapped[str] = mapped_column(ForeignKey("account.id"))

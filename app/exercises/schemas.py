@@ -1,13 +1,13 @@
 """Wire types of exercises, templates and prescriptions."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from app.exercises.design import PhaseDesign, StopDesign, TemplateDesign
 from app.exercises.models import Posture
-from app.schemas import Flag, Moment, Schema, Spoken, may_be_absent
+from app.schemas import Flag, Moment, Schema, Spoken, may_be_absent, without_default
 
 
 class ExerciseIn(Schema):
@@ -158,7 +158,7 @@ class TemplateOut(Schema):
     versions: list[TemplateVersionOut]
 
 
-class TemplateVersionDetail(TemplateVersionOut):
+class TemplateVersionDetail(TemplateVersionOut, Spoken):
     """A version with its curves, and what was drawn on them."""
 
     template_id: str
@@ -173,6 +173,8 @@ class TemplateVersionDetail(TemplateVersionOut):
     """Upper arm plus forearm of the person recorded; each patient sees positions in their own size."""
     design: TemplateDesign
     """With the rules of the house written out where the therapist left them."""
+    troubles: list[str] = Field(default_factory=list)
+    """Stored rules that the recording itself or the patient's resting pose breaks, in words; they need changing."""
     content: TemplateContent
 
 
@@ -210,6 +212,9 @@ class TemplateCopyIn(Schema):
     reason: str = Field(min_length=1, max_length=500)
 
 
+TimeOfDay = Annotated[str, Field(pattern=r"^([01]\d|2[0-3]):[0-5]\d$")]
+
+
 class PrescriptionIn(Schema):
     """Prescribe an exercise."""
 
@@ -221,9 +226,7 @@ class PrescriptionIn(Schema):
     """Where `days` are given, it is their number times that of `times`, whatever is sent."""
     days: list[Annotated[int, Field(ge=1, le=7)]] = Field(default_factory=list, max_length=7)
     """Days of the week, 1 Monday to 7 Sunday; empty: any day."""
-    times: list[Annotated[str, Field(pattern=r"^([01]\d|2[0-3]):[0-5]\d$")]] = Field(
-        default_factory=list, max_length=4
-    )
+    times: list[TimeOfDay] = Field(default_factory=list, max_length=4)
     """Times of these days by the clinic's clocks, `HH:MM`; empty: any time."""
     tolerance_scale: float = Field(default=1.0, ge=0.5, le=3.0)
     """Factor on the whole band of the template for this patient."""
@@ -235,7 +238,34 @@ class PrescriptionIn(Schema):
     ends_at: Moment | None = None
 
 
-class PrescriptionOut(Schema):
+class PrescriptionChangeIn(Schema):
+    """Change what is prescribed; the exercise and its beginning stay, and so do the sessions made for it."""
+
+    number: int = Field(ge=1)
+    """`PrescriptionOut.number` of what was seen: somebody else's change in between is a conflict, not lost."""
+    template_id: str | None = Field(default=None, json_schema_extra=without_default)
+    repetitions: int = may_be_absent(ge=1, le=200)
+    sets: int = may_be_absent(ge=1, le=20)
+    times_per_week: int = may_be_absent(ge=1, le=28)
+    days: list[Annotated[int, Field(ge=1, le=7)]] = may_be_absent(max_length=7)
+    times: list[TimeOfDay] = may_be_absent(max_length=4)
+    tolerance_scale: float = may_be_absent(ge=0.5, le=3.0)
+    stops: list[StopDesign] = may_be_absent(max_length=20)
+    question: str = may_be_absent(max_length=200)
+    ends_at: Moment | None = Field(default=None, json_schema_extra=without_default)
+
+
+class PrescriptionChangeOut(Schema):
+    """What a prescription was until it was changed."""
+
+    changed_at: datetime
+    changed_by: str
+    """Name of the person."""
+    before: dict[str, Any]
+    """The fields that were changed, as they were; of a template its name."""
+
+
+class PrescriptionOut(Spoken):
     """A prescription with the names a person needs."""
 
     id: str
@@ -267,5 +297,11 @@ class PrescriptionOut(Schema):
     """Valid repetitions of these sessions; 0 for walks."""
     active_s_this_week: float
     """Time inside these repetitions, in steady strides or in movement."""
+    number: int = 1
+    """Which state of it this is; a change names it."""
+    changes: list[PrescriptionChangeOut] = Field(default_factory=list)
+    """What it was before, newest change first."""
+    troubles: list[str] = Field(default_factory=list)
+    """Limits of it that its template's recording or the patient's resting pose breaks, in words; they need changing."""
     is_twice: bool
     """Whether the same exercise is prescribed a second time: each session counts for one of the two."""

@@ -10,6 +10,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "exercise.create_not_allowed": "Only therapists and administrators can add or change exercises.",
     "prescription.no_such_template": "There is no such template of this exercise for this patient.",
     "prescription.ends_before_start": "A prescription must end after it starts.",
+    "prescription.has_ended": "This prescription has ended; prescribe the exercise again.",
+    "edited.elsewhere": "Somebody else has changed this since you opened it. Load it again; what you entered is still"
+    " here.",
+    "edited.meanwhile": "{name} changed this on {at}, after you opened it. Nothing of yours was saved and nothing is"
+    " lost: look at that change, then save again.",
+    "template.changed_meanwhile": "{name} saved version {number} on {at}, after you opened this one: “{reason}”."
+    " Nothing is lost: look at that version, then save yours on top of it.",
     "prescription.time_needs_zone": "A time needs its time zone, for instance 2030-01-31T12:00:00Z.",
     "template.not_found": "Template not found, or not shared with you.",
     "comparison.not_found": "Comparison not found, or not shared with you.",
@@ -35,6 +42,20 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "design.knots": "The points of a band must be in order and at different phases, one band for each curve; load the"
     " template again and draw anew.",
     "design.stop": "Stop rule {number} is not valid; give it an angle of the template and a limit above zero.",
+    "design.band_narrow": "The band of {channel:channel} is too narrow: {left} of {of} repetitions of the template's"
+    " own recording leave it, by up to {excess}. Widen it.",
+    "design.limit_above": "Stop rule {number}: in the template's own recording {channel:channel} reaches {value}, so"
+    " this limit would stop every repetition. Set it to {least} or more.",
+    "design.limit_below": "Stop rule {number}: in the template's own recording {channel:channel} goes down to"
+    " {value}, so this limit would stop every repetition. Set it to {least} or less.",
+    "design.rest_above": "Stop rule {number}: this patient rests with {channel:channel} at {value}, so this limit would"
+    " stop the exercise before it begins. Set it to {least} or more.",
+    "design.rest_below": "Stop rule {number}: this patient rests with {channel:channel} at {value}, so this limit would"
+    " stop the exercise before it begins. Set it to {least} or less.",
+    "design.time_short": "Stop rule {number}: one repetition of the template lasts {lasts_s:s.1}, so this time is over"
+    " before the first one ends. Set a longer time.",
+    "design.limit_channel": "Stop rule {number}: {channel:channel} is no curve of the template, so its limit could"
+    " not be watched. Choose another angle.",
     "design.weight": "Part {number} of the sum is not valid; choose one of the measures that are offered, each once,"
     " and a weight other than zero.",
     "design.cue": "Cue {number} is not valid; give it a curve of the template, phases in order and a tolerance"

@@ -70,6 +70,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guided.paused": "Paused by hand.",
     "guided.resumed": "The exercise goes on.",
     "guided.limit": "Stopped: beyond the limit that the therapist set.",
+    "guided.limit_at_rest": "{channel:channel} is at {value} at rest already, beyond the limit of {limit}: this limit"
+    " does not stop the session. Change the limit.",
     "guided.valid_count": "The prescribed repetitions are done.",
     "guided.set": "A set is done; paused until the patient goes on.",
     "guided.attempt_count": "A set is ended: the number of attempts that the therapist set is reached.",

@@ -42,6 +42,7 @@ from estimators.comparison.channels.sided import TRUNK_CHANNELS, SideChannels, s
 from estimators.comparison.channels.trajectory import trajectory
 from estimators.comparison.measures.of_session import TOGETHER
 from estimators.comparison.repetitions import find_repetitions
+from estimators.comparison.repetitions.own_band import leaves_band
 
 __all__ = [
     "FREE",
@@ -72,6 +73,7 @@ __all__ = [
     "foot_trajectory",
     "is_of_stride",
     "judge_repetitions",
+    "leaves_band",
     "measure_label",
     "measure_unit",
     "measures_beside",

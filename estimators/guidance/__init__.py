@@ -17,6 +17,7 @@ from estimators.guidance._contract import (
 )
 from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, SENTENCES, default_rules, range_limits
 from estimators.guidance._guide import Guide
+from estimators.guidance._limits import farthest, is_broken, nearest_limit, proposed_limit
 from estimators.guidance._mirror import mirror_cue_rule, mirror_stop_rule
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
@@ -40,10 +41,14 @@ __all__ = [
     "StopRule",
     "Stopped",
     "default_rules",
+    "farthest",
     "fitting_sentence",
+    "is_broken",
     "mirror_cue_rule",
     "mirror_stop_rule",
+    "nearest_limit",
     "prepare_template",
+    "proposed_limit",
     "range_limits",
     "signals",
     "steers",

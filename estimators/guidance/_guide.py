@@ -173,6 +173,10 @@ class Guide:
         self._said.stops["held_s"] = 0.0
         self._state["in_attempt"] = 0
 
+    def watch(self, rule: StopRule, *, is_watched: bool) -> None:
+        """Look at a stop rule of kind `limit` from the next tick on, or no longer."""
+        self._said.stops["was_fired"][self.stops.index(rule)] = not is_watched
+
     def prompt_rest(self) -> None:
         """Take the start posture anew from the next second on, as after a pause; an attempt that goes on is dropped."""
         self._state["rested"] = 0

@@ -26,8 +26,8 @@ from estimators.kernels import filled
 
 _MOVES: Final = 0.02
 """Share of the template's mean squared speed from which on somebody moves."""
-_UNKNOWN_RAD: Final = float(np.radians(1.5))
-_UNKNOWN_M: Final = 0.006
+UNKNOWN_RAD: Final = float(np.radians(1.5))
+UNKNOWN_M: Final = 0.006
 """Taken where a channel states no sigma: leans of the trunk, hikes and places."""
 Z: Final = 1.28
 """Of (10); not the therapist's to change: nine in ten of what is said is then so."""
@@ -83,7 +83,7 @@ def make_orders(
         below=np.ascontiguousarray(ready.below[middle]),
         above=np.ascontiguousarray(ready.above[middle]),
         origin=origin,
-        unknown_sigma=np.where(model.turns == 1, _UNKNOWN_RAD, _UNKNOWN_M),
+        unknown_sigma=np.where(model.turns == 1, UNKNOWN_RAD, UNKNOWN_M),
     )
 
 
@@ -135,4 +135,4 @@ def _stop(one: StopRule, ready: GuidanceTemplate) -> dict[str, float]:
     }
 
 
-__all__ = ["CuePace", "make_orders", "make_said"]
+__all__ = ["UNKNOWN_M", "UNKNOWN_RAD", "CuePace", "make_orders", "make_said"]

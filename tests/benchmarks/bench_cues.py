@@ -42,7 +42,7 @@ RECORD_AT_S: Final = N_POSE_S + 1.6
 """In the start posture, behind the way there from the pose."""
 LEAN_RAD: Final = float(np.radians(8.0))
 """Tolerance of the house's rule for a lean forward."""
-LEAN_WORDS: Final = SENTENCES["guidance.sit_tall"]
+LEAN_WORDS: Final = SENTENCES["guidance.stand_tall"]
 FAULT_WORDS: Final = (LEAN_WORDS, SENTENCES["guidance.further"])
 
 

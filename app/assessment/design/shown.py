@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.design.compiled import design_of, drawn_template
+from app.assessment.design.limits import Reached, resting_pose, troubles_of
 from app.assessment.design.rules import side_of, whole_design
 from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
@@ -69,19 +70,47 @@ def detail_of(
 ) -> TemplateVersionDetail:
     """Return the same for a version that the subject was found to have access to."""
     stored = drawn_template(version)
-    repetitions = [
-        Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
-        for repetition in version.repetitions
-    ]
+    repetitions = _repetitions_of(version)
+    curves = _repetition_curves(session, subject, version, stored, repetitions)
     content = TemplateContent(
         duration_s=stored.duration_s,
         repetitions=[repetition_out(repetition) for repetition in repetitions],
         phases=phases_out(stored),
-        curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
+        curves=phase_curves_out(stored, curves),
         measures=offered_measures(stored),
         side=side_of(stored.side),
     )
-    return version_detail(session, template, version, content)
+    return version_detail(session, template, version, content, kept_of(repetitions, curves))
+
+
+def reached_of(session: Session, subject: Subject, version: TemplateVersion, stored: Template) -> Reached:
+    """Return what a version's recording did, for checking limits and bands; access to the version was checked.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        Without the right to the recording only the mean is known.
+    version : TemplateVersion
+    stored : Template
+        Of the version, on the side on which it was recorded, with the band in question.
+    """
+    repetitions = _repetitions_of(version)
+    return Reached(
+        stored, kept_of(repetitions, _repetition_curves(session, subject, version, stored, repetitions))
+    )
+
+
+def kept_of(repetitions: Sequence[Repetition], curves: Sequence[Float]) -> list[Float]:
+    """Return the curves of the repetitions that count; none where none are known."""
+    return [curve for one, curve in zip(repetitions, curves, strict=False) if one.is_kept]
+
+
+def _repetitions_of(version: TemplateVersion) -> list[Repetition]:
+    return [
+        Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
+        for repetition in version.repetitions
+    ]
 
 
 def _repetition_curves(
@@ -139,11 +168,17 @@ def version_out(version: TemplateVersion, names: Mapping[str, str]) -> TemplateV
 
 
 def version_detail(
-    session: Session, template: TemplateRow, version: TemplateVersion, content: TemplateContent
+    session: Session,
+    template: TemplateRow,
+    version: TemplateVersion,
+    content: TemplateContent,
+    own: Sequence[Float] = (),
 ) -> TemplateVersionDetail:
-    """Return a version with curves that are at hand."""
+    """Return a version with curves that are at hand; `own` are those of its repetitions that count."""
     recorded = template_from_bytes(version.content)
     posture = session.get_one(Exercise, template.exercise_id).posture
+    design = whole_design(design_of(version), recorded, posture)
+    rest = resting_pose(session, template.patient_id, template.exercise_id) if template.patient_id else {}
     return TemplateVersionDetail(
         **version_out(version, repository.names_of_makers(session, [version])).model_dump(),
         template_id=template.id,
@@ -154,7 +189,8 @@ def version_detail(
         primary_channel=recorded.primary_channel,
         is_guided=not is_of_stride(recorded.primary_channel),
         reach_m=recorded.reach_m,
-        design=whole_design(design_of(version), recorded, posture),
+        design=design,
+        troubles=[text for _, text in troubles_of(design.stops or (), Reached(recorded, own, rest))],
         content=content,
     )
 

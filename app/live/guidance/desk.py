@@ -23,6 +23,7 @@ from app.live.guidance.messages import (
 from app.live.guidance.taken_up import TakenUp
 from app.live.guidance.words import HELD, PAUSED, RESUMED, STOPPED, counted
 from app.sentences import say
+from estimators.comparison import channel_name, channel_unit
 from estimators.guidance import CountedRepetition, Cue, GuidanceChunk, Stopped
 from estimators.guidance.live import Following
 from estimators.pipelines import Frames
@@ -95,6 +96,10 @@ class GuidanceDesk:
                 stops=ordered.stops,
                 pace=ordered.pace,
             )
+        self._has_told_limits = taken_up.has_set_aside
+        if self._following is not None and taken_up.time_s and not taken_up.has_set_aside:
+            # The exercise was under way when the service restarted: its limits hold from the first frame.
+            self._following.watch_all()
         self._cause: GuidanceCause = taken_up.cause
         self._is_stopped = taken_up.is_stopped
         if self._cause and self._following is not None:
@@ -148,6 +153,7 @@ class GuidanceDesk:
 
     def _follow(self, following: Following, frames: Frames, *, is_live: bool) -> None:
         chunk, is_settled = following.feed(frames)
+        self._report_set_aside(following)
         first_s = self._time_s - len(chunk.phase) * frames.time_step_s
 
         def time_of(tick: int) -> float:
@@ -216,6 +222,22 @@ class GuidanceDesk:
         details = {"cause": stop.kind, "value": _number(stop.value), "limit": _number(stop.limit)}
         kind = "guidance_pause" if stop.is_pause else "guidance_stop"
         self._add_event(kind, time_s, text=HELD[stop.kind], details=details)
+
+    def _report_set_aside(self, following: Following) -> None:
+        """Tell the therapist, and not the patient, of limits that rest itself breaks."""
+        found = () if self._has_told_limits else following.take_set_aside()
+        self._has_told_limits = self._has_told_limits or bool(found)
+        for rule, value in found:
+            is_length = channel_unit(rule.channel) == "m"
+            rests = say("size.length", value_m=value) if is_length else say("size.angle", value_rad=value)
+            limit = (
+                say("size.length", value_m=rule.limit)
+                if is_length
+                else say("size.angle", value_rad=rule.limit)
+            )
+            words = say("guided.limit_at_rest", channel=channel_name(rule.channel), value=rests, limit=limit)
+            details = {"channel": rule.channel, "side": rule.side, "value": value, "limit": rule.limit}
+            self._add_event("limit_at_rest", self._time_s, text=words, details=details)
 
     # --- the patient's buttons --------------------------------------------------------------------------
 

@@ -35,6 +35,8 @@ class TakenUp:
     is_stopped : bool
     time_s : float
         Session time of the last entry.
+    has_set_aside : bool
+        Limits that rest itself breaks were found and told.
     """
 
     counts: GuidanceCounts = field(default_factory=GuidanceCounts)
@@ -44,6 +46,7 @@ class TakenUp:
     cause: GuidanceCause = ""
     is_stopped: bool = False
     time_s: float = 0.0
+    has_set_aside: bool = False
 
 
 def read_guidance(engine: Engine, session_id: str, default_zone: str) -> PrescribedGuidance | None:
@@ -69,7 +72,10 @@ def stood(session: Session, session_ids: Sequence[str]) -> dict[str, TakenUp]:
     of_session: dict[str, list[Row[Any]]] = {one: [] for one in session_ids}
     for row in session.execute(
         select(SessionEvent.session_id, SessionEvent.kind, SessionEvent.time_s, SessionEvent.details)
-        .where(SessionEvent.session_id.in_(session_ids), SessionEvent.kind.in_(("repetition", *_HELD)))
+        .where(
+            SessionEvent.session_id.in_(session_ids),
+            SessionEvent.kind.in_(("repetition", "limit_at_rest", *_HELD)),
+        )
         .order_by(SessionEvent.created_at, SessionEvent.id)
     ):
         of_session[row.session_id].append(row)
@@ -91,6 +97,7 @@ def _stood(events: Sequence[Row[Any]]) -> TakenUp:
         is_done=any(one.details.get("cause") == "valid_count" for one in events),
         cause=held.details.get("cause", "person") if held is not None and is_held else "",
         is_stopped=is_held and held is not None and held.kind != "guidance_pause",
+        has_set_aside=any(one.kind == "limit_at_rest" for one in events),
         time_s=max((one.time_s for one in events), default=0.0),
     )
 

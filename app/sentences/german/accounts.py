@@ -304,6 +304,27 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "compass.tilted": "Der Sensor war beim Drehen geneigt. Waagerecht halten, um die Senkrechte drehen und"
     " wiederholen.",
     "compass.unusable": "Diese Kompasskalibrierung ist nicht verwendbar. {reasons:lines}",
+    "edited.elsewhere": "Jemand anderes hat dies geändert, seit Sie es geöffnet haben. Laden Sie es neu; Ihre Eingaben"
+    " sind noch hier.",
+    "edited.meanwhile": "{name} hat dies am {at} geändert, nachdem Sie es geöffnet hatten. Nichts von Ihnen wurde"
+    " gespeichert und nichts ist verloren: Sehen Sie sich die Änderung an und speichern Sie dann noch einmal.",
+    "prescription.has_ended": "Diese Verordnung ist beendet; verordnen Sie die Übung neu.",
+    "template.changed_meanwhile": "{name} hat am {at} Version {number} gespeichert, nachdem Sie diese geöffnet hatten:"
+    " „{reason}“. Nichts ist verloren: Sehen Sie sich die Version an und speichern Sie Ihre dann darauf.",
+    "design.band_narrow": "Das Band von {channel:channel} ist zu eng: {left} von {of} Wiederholungen der eigenen"
+    " Aufnahme der Vorlage verlassen es, um bis zu {excess}. Machen Sie es breiter.",
+    "design.limit_above": "Halteregel {number}: In der eigenen Aufnahme der Vorlage erreicht {channel:channel} {value};"
+    " diese Grenze würde jede Wiederholung anhalten. Setzen Sie sie auf {least} oder mehr.",
+    "design.limit_below": "Halteregel {number}: In der eigenen Aufnahme der Vorlage geht {channel:channel} bis {value}"
+    " hinunter; diese Grenze würde jede Wiederholung anhalten. Setzen Sie sie auf {least} oder weniger.",
+    "design.limit_channel": "Halteregel {number}: {channel:channel} ist keine Kurve der Vorlage, also kann auf die"
+    " Grenze nicht geachtet werden. Wählen Sie einen anderen Winkel.",
+    "design.rest_above": "Halteregel {number}: In Ruhe liegt {channel:channel} bei dieser Person bei {value}; diese"
+    " Grenze würde die Übung anhalten, bevor sie beginnt. Setzen Sie sie auf {least} oder mehr.",
+    "design.rest_below": "Halteregel {number}: In Ruhe liegt {channel:channel} bei dieser Person bei {value}; diese"
+    " Grenze würde die Übung anhalten, bevor sie beginnt. Setzen Sie sie auf {least} oder weniger.",
+    "design.time_short": "Halteregel {number}: Eine Wiederholung der Vorlage dauert {lasts_s:s.1}; diese Zeit ist"
+    " um, bevor die erste endet. Setzen Sie eine längere Zeit.",
     "design.cue": "Hinweis {number} ist ungültig; geben Sie ihm eine Kurve der Vorlage, Phasen in ihrer"
     " Reihenfolge und eine Toleranz über null.",
     "design.knots": "Die Punkte eines Bandes müssen geordnet und an verschiedenen Phasen sein, ein Band je"

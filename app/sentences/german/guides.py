@@ -102,6 +102,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " weiter.",
     "guided.ended": "Die Übung wurde beendet; beginnen Sie eine neue Sitzung.",
     "guided.failed": "Die Anleitung ist ausgefallen und beendet; die Sitzung läuft ohne sie weiter.",
+    "guided.limit_at_rest": "{channel:channel} liegt schon in Ruhe bei {value}, jenseits der Grenze von {limit}: Diese"
+    " Grenze hält die Sitzung nicht an. Ändern Sie die Grenze.",
     "guided.limit": "Angehalten: jenseits der in der Therapie festgelegten Grenze.",
     "guided.lost": "Unterbrochen: Der Bewegung kann nicht gefolgt werden.",
     "guided.pain": "Von der übenden Person angehalten: Es tut weh.",

@@ -9,6 +9,7 @@ import numpy as np
 from estimators.guidance._contract import GuidanceChunk, GuidanceTemplate
 from estimators.guidance._default_rules import DEFAULT_STOPS
 from estimators.guidance._guide import VALID_SHARE, Guide
+from estimators.guidance._limits import least_room
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import CueRule, StopRule
 from estimators.guidance.live._picking import Picking
@@ -56,6 +57,10 @@ class Following:
         self._steering = [ready.channels.index(name) for name in ready.steering]
         self._unsure_rad = min((rule.limit for rule in stops if rule.kind == "unsure"), default=np.inf)
         self._seen: tuple[Float, Float] | None = None
+        self._outside = {rule for rule in stops if rule.kind == "limit"}
+        for rule in self._outside:
+            self._guide.watch(rule, is_watched=False)
+        self._set_aside: tuple[tuple[StopRule, float], ...] = ()
 
     @staticmethod
     def prepare() -> None:
@@ -75,7 +80,9 @@ class Following:
                 gap = np.full((missing, values.shape[1]), np.nan)
                 values, sigma = np.concatenate([gap, values]), np.concatenate([gap, sigma])
         self._seen = values, sigma
+        self._watch_limits(values, sigma, first=1)
         chunk = self._guide.feed(values, sigma)
+        self._watch_limits(values, sigma, first=None)
         if not self._is_settled and not self._guide.is_stopped:
             rest = self._settling.add(values, sigma)
             if rest is not None:
@@ -83,8 +90,52 @@ class Following:
                 self._guide.prompt_rest()
                 again = self._guide.feed(*rest)
                 self._is_settled = True
+                self._set_limits_aside(*rest)
                 return replace(chunk, stops=(*chunk.stops, *again.stops)), False
         return chunk, self._is_settled
+
+    def take_set_aside(self) -> tuple[tuple[StopRule, float], ...]:
+        """Return limits that the patient broke from the first frame to the first rest, with the value; once each.
+
+        They do not stop the session: a rule that rest itself breaks would stop it again after each "Go on".
+        """
+        found, self._set_aside = self._set_aside, ()
+        return found
+
+    def watch_all(self) -> None:
+        """Look at every limit at once, as where the patient was seen within them before a restart."""
+        for rule in self._outside:
+            self._guide.watch(rule, is_watched=True)
+        self._outside = set()
+
+    def _watch_limits(self, values: Float, sigma: Float, first: int | None) -> None:
+        """Look at each limit from when the patient is first seen within it; `first` of the ticks are looked at."""
+        for rule in tuple(self._outside):
+            beyond = self._beyond(rule, values[:first], sigma[:first])
+            if (beyond < 0.0).any():
+                self._outside.discard(rule)
+                self._guide.watch(rule, is_watched=True)
+
+    def _set_limits_aside(self, values: Float, sigma: Float) -> None:
+        broken = [
+            (rule, float(np.nanmedian(values[:, self._guide.ready.channels.index(rule.channel)])))
+            for rule in self._guide.stops
+            if rule in self._outside and np.isfinite(self._beyond(rule, values, sigma)).any()
+        ]
+        # What was not measured until now is looked at as soon as it is.
+        unknown = self._outside - {rule for rule, _ in broken}
+        for rule in unknown:
+            self._guide.watch(rule, is_watched=True)
+        self._outside = set()
+        self._set_aside = (*self._set_aside, *broken)
+
+    def _beyond(self, rule: StopRule, values: Float, sigma: Float) -> Float:
+        """Return how far each tick is beyond where a limit stops, rad or m; NaN where unknown."""
+        column = self._guide.ready.channels.index(rule.channel)
+        sign = 1.0 if rule.side == "above" else -1.0
+        doubt = np.where(np.isfinite(sigma[:, column]), 2.0 * sigma[:, column], least_room(rule.channel))
+        beyond: Float = sign * values[:, column] - (sign * rule.limit - doubt)
+        return beyond
 
     def is_tracked(self, chunk: GuidanceChunk) -> bool:
         """Say whether what tells the phase has been seen well for a while, up to the last frames."""

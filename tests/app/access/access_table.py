@@ -252,6 +252,7 @@ LINES: tuple[Line, ...] = (
         body={"exercise_id": "{exercise_id}", "template_id": "{template_id}"},
         status=201,
     ),
+    patient("PATCH", "/api/prescriptions/{prescription_id}", TREAT, body={"number": 1, "sets": 2}),
     patient("DELETE", "/api/prescriptions/{prescription_id}", TREAT, status=204),
     # --- sessions ---
     patient("POST", "/api/sessions", RECORD, body=SESSION, status=201),

@@ -347,6 +347,13 @@ export const usePrescribe = (id: string) =>
     (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
     () => [keys.prescriptions(id), keys.caseload],
   );
+/** Change what is prescribed; what it was stays in its history. */
+export const useChangePrescription = (id: string) =>
+  useChange(
+    ({ prescriptionId, ...input }: Wire.PrescriptionChangeIn & { prescriptionId: string }) =>
+      api.patch<Wire.Prescription>(`/api/prescriptions/${prescriptionId}`, input),
+    () => [keys.prescriptions(id), keys.caseload],
+  );
 export const useEndPrescription = (id: string) =>
   useChange(
     (prescriptionId: string) => api.delete<void>(`/api/prescriptions/${prescriptionId}`),

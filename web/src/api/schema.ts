@@ -973,7 +973,13 @@ export interface paths {
         delete: operations["delete_prescription_api_prescriptions__prescription_id__delete"];
         options?: never;
         head?: never;
-        patch?: never;
+        /**
+         * Change Prescription
+         * @description Change dose, times, template or limits of a prescription; `changes` say what it was, who changed it and when.
+         *
+         *     Errors: `conflict` when somebody changed it since it was read, with who and when.
+         */
+        patch: operations["change_prescription_api_prescriptions__prescription_id__patch"];
         trace?: never;
     };
     "/api/ready": {
@@ -4635,6 +4641,51 @@ export interface components {
             type?: "player_state";
         };
         /**
+         * PrescriptionChangeIn
+         * @description Change what is prescribed; the exercise and its beginning stay, and so do the sessions made for it.
+         */
+        PrescriptionChangeIn: {
+            /** Days */
+            days?: number[];
+            /** Ends At */
+            ends_at?: string | null;
+            /** Number */
+            number: number;
+            /** Question */
+            question?: string;
+            /** Repetitions */
+            repetitions?: number;
+            /** Sets */
+            sets?: number;
+            /** Stops */
+            stops?: components["schemas"]["StopDesign"][];
+            /** Template Id */
+            template_id?: string | null;
+            /** Times */
+            times?: string[];
+            /** Times Per Week */
+            times_per_week?: number;
+            /** Tolerance Scale */
+            tolerance_scale?: number;
+        };
+        /**
+         * PrescriptionChangeOut
+         * @description What a prescription was until it was changed.
+         */
+        PrescriptionChangeOut: {
+            /** Before */
+            before: {
+                [key: string]: unknown;
+            };
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Changed By */
+            changed_by: string;
+        };
+        /**
          * PrescriptionIn
          * @description Prescribe an exercise.
          */
@@ -4686,6 +4737,8 @@ export interface components {
         PrescriptionOut: {
             /** Active S This Week */
             active_s_this_week: number;
+            /** Changes */
+            changes?: components["schemas"]["PrescriptionChangeOut"][];
             /** Days */
             days: number[];
             /** Done This Week */
@@ -4708,12 +4761,21 @@ export interface components {
             is_due_today: boolean;
             /** Is Twice */
             is_twice: boolean;
+            /**
+             * Number
+             * @default 1
+             */
+            number?: number;
             /** Question */
             question: string;
             /** Repetitions */
             repetitions: number;
             /** Repetitions This Week */
             repetitions_this_week: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Sets */
             sets: number;
             /**
@@ -4733,6 +4795,8 @@ export interface components {
             times_per_week: number;
             /** Tolerance Scale */
             tolerance_scale: number;
+            /** Troubles */
+            troubles?: string[];
         };
         /**
          * PreviewIn
@@ -5918,6 +5982,10 @@ export interface components {
             reason: string;
             /** Repetition Count */
             repetition_count: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /**
              * Side
              * @enum {string}
@@ -5927,6 +5995,8 @@ export interface components {
             source_session_id: string;
             /** Template Id */
             template_id: string;
+            /** Troubles */
+            troubles?: string[];
         };
         /**
          * TemplateVersionIn
@@ -8234,6 +8304,44 @@ export interface operations {
             403: components["responses"]["Error403"];
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_prescription_api_prescriptions__prescription_id__patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                prescription_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PrescriptionChangeIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PrescriptionOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];

@@ -66,6 +66,7 @@ export type Repetition = Schemas['RepetitionOut'];
 export type PhaseCurve = Schemas['PhaseCurve'];
 export type Prescription = Schemas['PrescriptionOut'];
 export type PrescriptionIn = Schemas['PrescriptionIn'];
+export type PrescriptionChangeIn = Schemas['PrescriptionChangeIn'];
 
 export type Session = Schemas['SessionOut'];
 export type SessionDetail = Schemas['SessionDetail'];

@@ -40,6 +40,7 @@ const SHOWN_EVENTS = new Set([
   'guidance_pause',
   'guidance_stop',
   'guidance_off',
+  'limit_at_rest',
 ]);
 
 export function Timeline({ player, repetitions, events, onRepetition, areStrides = false }: TimelineProps) {

@@ -219,8 +219,8 @@ def test_a_lean_is_said_once_and_sound_ones_are_left_in_peace(
     enter: Enter, engine: Engine, world: Any
 ) -> None:
     room = enter((SOUND, LEANING, SOUND), whole, prescribe(engine, world))
-    assert room.cues[0] == "Sit tall."
-    assert set(room.cues) == {"Sit tall."}
+    assert room.cues[0] == "Stand tall."
+    assert set(room.cues) == {"Stand tall."}
     start_s, end_s = room.done.repetitions_s[1]
     assert all(start_s < one.time_s < end_s + 0.3 for one in stored(engine, room.live.id, "cue"))
 
@@ -230,7 +230,7 @@ def test_a_knee_is_guided_as_an_arm(enter: Enter, engine: Engine, world: Any) ->
     room = enter((SOUND, SHORT, LEANING, SOUND), whole, prescription, exercise="knee_extension")
     events = stored(engine, room.live.id, "repetition")
     assert [one.details["kind"] for one in events] == ["valid", "partial", "valid", "valid"]
-    assert room.cues == ["A little further.", "Sit tall."]
+    assert room.cues == ["A little further.", "Stand tall."]
     for cue, (start_s, end_s) in zip(
         stored(engine, room.live.id, "cue"), room.done.repetitions_s[1:3], strict=True
     ):

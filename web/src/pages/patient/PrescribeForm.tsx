@@ -1,12 +1,20 @@
 // What is prescribed: exercise and template, dose, days and times, how strictly it is judged, what stops it, until when.
 import { ActionIcon, Button, Chip, Group, NumberInput, Select, SimpleGrid, TextInput } from '@mantine/core';
 import { IconPlus, IconTrash } from '@tabler/icons-react';
-import { useState, type FormEvent } from 'react';
-import { useExercises, usePrescribe, usePrescriptions, useTemplates } from '../../api/queries';
-import type { Exercise, Patient, StopDesign } from '../../api/types';
+import { useMemo, useState, type FormEvent } from 'react';
+import {
+  useChangePrescription,
+  useExercises,
+  usePrescribe,
+  usePrescriptions,
+  useTemplates,
+  useTemplateVersion,
+} from '../../api/queries';
+import type { Exercise, Patient, PhaseCurve, Prescription, StopDesign, TemplateVersionDetail } from '../../api/types';
 import { DateField, isDateOrEmpty } from '../../components/forms/DateField';
 import { Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
+import { brokenBy } from '../../lib/assessment/limits';
 import { DAYS, dayName } from '../../lib/assessment/practice';
 import { isWalk, exerciseOf, primaryAngles } from '../../lib/exercises';
 import { LimitRows } from '../template/editor/StopRules';
@@ -18,50 +26,73 @@ const FIRST_TIME = '09:00';
 const NARROWEST = 50;
 const WIDEST = 300;
 
-export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => void }) {
+/** Without a prescription a new one; with one, its exercise stays and everything else may change. */
+export function PrescribeForm({
+  patient,
+  prescription,
+  onDone,
+}: {
+  patient: Patient;
+  prescription?: Prescription;
+  onDone: () => void;
+}) {
   const exercises = useExercises();
   const present = usePrescriptions(patient.id);
-  const [exerciseId, setExerciseId] = useState<string | null>(null);
-  const [templateId, setTemplateId] = useState<string | null>(null);
-  const [repetitions, setRepetitions] = useState(10);
-  const [sets, setSets] = useState(1);
-  const [perWeek, setPerWeek] = useState(5);
-  const [days, setDays] = useState<string[]>([]);
-  const [times, setTimes] = useState<string[]>([]);
-  const [percent, setPercent] = useState<number | string>(100);
-  const [stops, setStops] = useState<StopDesign[]>([]);
-  const [question, setQuestion] = useState('');
-  const [endsAt, setEndsAt] = useState('');
+  const [exerciseId, setExerciseId] = useState<string | null>(prescription?.exercise_id ?? null);
+  const [templateId, setTemplateId] = useState<string | null>(
+    prescription ? (prescription.template_id ?? NO_TEMPLATE) : null,
+  );
+  const [repetitions, setRepetitions] = useState(prescription?.repetitions ?? 10);
+  const [sets, setSets] = useState(prescription?.sets ?? 1);
+  const [perWeek, setPerWeek] = useState(prescription?.times_per_week ?? 5);
+  const [days, setDays] = useState<string[]>(prescription?.days.map(String) ?? []);
+  const [times, setTimes] = useState<string[]>(prescription?.times ?? []);
+  const [percent, setPercent] = useState<number | string>(Math.round(100 * (prescription?.tolerance_scale ?? 1)));
+  const [stops, setStops] = useState<StopDesign[]>(prescription?.stops ?? []);
+  const [question, setQuestion] = useState(prescription?.question ?? '');
+  const endDay = prescription?.ends_at ? localDay(prescription.ends_at) : '';
+  const [endsAt, setEndsAt] = useState(endDay);
   const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
   const prescribe = usePrescribe(patient.id);
+  const change = useChangePrescription(patient.id);
   const choices = templates.data ?? [];
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const isWalked = isWalk(exerciseOf(exercises.data, exerciseId)?.movement);
   const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
   const hasTemplate = chosen !== NO_TEMPLATE;
+  const version = useTemplateVersion(choices.find((one) => one.id === chosen)?.versions[0]?.id ?? null).data;
+  const { curves, left } = useMemo(() => recordedOf(version), [version]);
+  const isBroken = hasTemplate && !isWalked && stops.some((one) => brokenBy(one, curves, left));
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!exerciseId || !isDateOrEmpty(endsAt)) return;
-    prescribe.mutate(
-      {
-        exercise_id: exerciseId,
-        template_id: chosen === NO_TEMPLATE ? null : chosen,
-        repetitions: isWalked ? 1 : repetitions,
-        sets: isWalked ? 1 : sets,
-        times_per_week: perWeek,
-        days: days.map(Number),
-        times: days.length ? times.filter(Boolean) : [],
-        tolerance_scale: hasTemplate ? Math.min(WIDEST, Math.max(NARROWEST, Number(percent) || 100)) / 100 : 1,
-        stops: hasTemplate && !isWalked ? stops : [],
-        question,
-        ends_at: endsAt ? new Date(`${endsAt}T23:59:59`).toISOString() : null,
-      },
-      { onSuccess: onDone },
-    );
+    const wanted = {
+      template_id: chosen === NO_TEMPLATE ? null : chosen,
+      repetitions: isWalked ? 1 : repetitions,
+      sets: isWalked ? 1 : sets,
+      times_per_week: perWeek,
+      days: days.map(Number),
+      times: days.length ? times.filter(Boolean) : [],
+      tolerance_scale: hasTemplate ? Math.min(WIDEST, Math.max(NARROWEST, Number(percent) || 100)) / 100 : 1,
+      stops: hasTemplate && !isWalked ? stops : [],
+      question,
+      // An end that was not touched keeps its moment.
+      ends_at: !endsAt
+        ? null
+        : prescription && endsAt === endDay
+          ? prescription.ends_at
+          : new Date(`${endsAt}T23:59:59`).toISOString(),
+    };
+    if (prescription)
+      change.mutate(
+        { prescriptionId: prescription.id, number: prescription.number ?? 1, ...wanted },
+        { onSuccess: onDone },
+      );
+    else prescribe.mutate({ exercise_id: exerciseId, ...wanted }, { onSuccess: onDone });
   };
   return (
     <form className="stack" onSubmit={submit}>
-      {prescribe.error && <Problem error={prescribe.error} />}
+      {(prescribe.error ?? change.error) && <Problem error={prescribe.error ?? change.error} />}
       {exercises.error && <Problem error={exercises.error} />}
       <Select
         label={t('prescription.exercise')}
@@ -69,6 +100,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         required
         withAsterisk={false}
         searchable
+        disabled={prescription !== undefined}
         openOnFocus={false}
         data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))}
         value={exerciseId}
@@ -79,7 +111,9 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         }}
         data-autofocus
       />
-      {present.data?.some((one) => one.exercise_id === exerciseId) && <Notice>{t('prescription.twice')}</Notice>}
+      {present.data?.some((one) => one.exercise_id === exerciseId && one.id !== prescription?.id) && (
+        <Notice>{t('prescription.twice')}</Notice>
+      )}
       {exerciseId && templates.data && (!isWalked || choices.length > 0) && (
         <Select
           label={t('prescription.template')}
@@ -138,7 +172,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
             value={percent}
             onChange={setPercent}
           />
-          {!isWalked && <Limits exercise={exercise} stops={stops} onChange={setStops} />}
+          {!isWalked && <Limits exercise={exercise} curves={curves} left={left} stops={stops} onChange={setStops} />}
         </>
       )}
       <TextInput
@@ -158,8 +192,8 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
         </Button>
-        <Button type="submit" disabled={!exerciseId} loading={prescribe.isPending}>
-          {t('prescription.prescribe')}
+        <Button type="submit" disabled={!exerciseId || isBroken} loading={prescribe.isPending || change.isPending}>
+          {t(prescription ? 'prescription.saveChange' : 'prescription.prescribe')}
         </Button>
       </Group>
     </form>
@@ -248,22 +282,46 @@ function Schedule({
   );
 }
 
+/** The day of a moment by the clocks of this browser, as a field of a form has it. */
+function localDay(moment: string): string {
+  const at = new Date(moment);
+  const two = (value: number) => String(value).padStart(2, '0');
+  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+}
+
+/** What the recording of a template did, for its limits; nothing while that is not known. */
+function recordedOf(version: TemplateVersionDetail | undefined) {
+  return {
+    curves: version?.content.curves ?? [],
+    left: new Set(version?.content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])) ?? []),
+  };
+}
+
 function Limits({
   exercise,
+  curves,
+  left,
   stops,
   onChange,
 }: {
   exercise: Exercise;
+  curves: readonly PhaseCurve[];
+  left: ReadonlySet<number>;
   stops: StopDesign[];
   onChange: (stops: StopDesign[]) => void;
 }) {
-  const angles = primaryAngles(exercise.side ?? 'right');
+  const all = primaryAngles(exercise.side ?? 'right');
+  // A limit of what the template does not measure could not be watched.
+  const measured = all.filter((one) => curves.some(({ channel }) => channel === one));
+  const angles = measured.length ? measured : all;
   return (
     <fieldset className="fieldset">
       <legend>{t('prescription.stops')}</legend>
       <p className="muted small">{t('prescription.stopsHelp')}</p>
       <LimitRows
         stops={stops}
+        curves={curves}
+        left={left}
         channels={angles}
         primary={exercise.primary_angle || (angles[0] ?? '')}
         onChange={onChange}

@@ -5,7 +5,7 @@ import { Link } from 'react-router';
 import { useEndPrescription, useExercises, usePrescriptions } from '../../api/queries';
 import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
-import { Answer, Problem } from '../../components/Feedback';
+import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, exerciseOf } from '../../lib/exercises';
 import { date, number } from '../../lib/format';
@@ -28,6 +28,7 @@ export function doseText(
 
 function Line({ prescription, patient }: { prescription: Prescription; patient: Patient }) {
   const end = useEndPrescription(patient.id);
+  const [isOpen, dialog] = useDisclosure(false);
   const exercises = useExercises();
   const isTest = isWalk(exerciseOf(exercises.data, prescription.exercise_id)?.movement);
   const done = Math.min(prescription.done_this_week, prescription.times_per_week);
@@ -35,6 +36,17 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
     <li>
       <div className="line-head">
         <span className="strong">{prescription.exercise_name}</span>
+        {patient.may_treat && (
+          <Button
+            className="end"
+            size="sm"
+            variant="default"
+            aria-label={t('prescription.changeOf', { name: prescription.exercise_name })}
+            onClick={dialog.open}
+          >
+            {t('prescription.change')}
+          </Button>
+        )}
         {patient.may_treat && (
           <Confirm
             label={t('prescription.end')}
@@ -86,8 +98,56 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
       {prescription.ends_at && (
         <div className="muted small">{t('prescription.endsOn', { date: date(prescription.ends_at) })}</div>
       )}
+      {(prescription.troubles ?? []).map((one) => (
+        <Notice key={one}>{one}</Notice>
+      ))}
+      <History prescription={prescription} isWalked={isTest} />
       {end.error && <Problem error={end.error} />}
+      <Modal
+        opened={isOpen}
+        onClose={dialog.close}
+        size="lg"
+        title={t('prescription.changeTitle', { name: prescription.exercise_name })}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
+        <PrescribeForm patient={patient} prescription={prescription} onDone={dialog.close} />
+      </Modal>
     </li>
+  );
+}
+
+/** What it was before each change, and who changed it when. */
+function History({ prescription, isWalked }: { prescription: Prescription; isWalked: boolean }) {
+  const changes = prescription.changes ?? [];
+  if (!changes.length) return null;
+  // Each state is what came after it with the fields that were changed as they were.
+  let state: Prescription = prescription;
+  return (
+    <details className="small">
+      <summary>{t('prescription.history', { count: changes.length })}</summary>
+      <ul className="plain-list">
+        {changes.map((one) => {
+          state = { ...state, ...(one.before as Partial<Prescription>) };
+          return (
+            <li key={one.changed_at}>
+              {t('prescription.changed', {
+                date: date(one.changed_at),
+                name: one.changed_by,
+                before: [
+                  doseText(state, isWalked),
+                  'tolerance_scale' in one.before &&
+                    t('prescription.band', { percent: number(100 * state.tolerance_scale) }),
+                  'template_id' in one.before && t('prescription.otherTemplate'),
+                  'stops' in one.before && t('prescription.limits', { count: state.stops.length }),
+                ]
+                  .filter(Boolean)
+                  .join(' · '),
+              })}
+            </li>
+          );
+        })}
+      </ul>
+    </details>
   );
 }
 

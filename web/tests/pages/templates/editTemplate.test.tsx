@@ -170,7 +170,14 @@ it('says what counts, what stops and what is said', async () => {
   const design = await saved(view);
   expect(design.watched).toEqual([LEAN]);
   expect(design.stops).toEqual([
-    { kind: 'limit', channel: MAIN, limit: Math.PI / 2, side: 'above', hold_s: 0.05 },
+    // The recording reaches 60 degrees: its extreme and ten more.
+    {
+      kind: 'limit',
+      channel: MAIN,
+      limit: expect.closeTo((70 * Math.PI) / 180) as number,
+      side: 'above',
+      hold_s: 0.05,
+    },
     { kind: 'lost', hold_s: 2 },
     { kind: 'time', limit: 300, hold_s: 0 },
   ]);
@@ -179,6 +186,27 @@ it('says what counts, what stops and what is said', async () => {
     [undefined, false, undefined],
     ['Straighten the elbow', true, MAIN],
   ]);
+});
+
+it('says before saving that the recording itself breaks a limit, with the value, on both sides', async () => {
+  open();
+  const stops = within(await screen.findByRole('region', { name: 'What stops the exercise' }));
+  await userEvent.click(stops.getByRole('button', { name: 'Add a limit' }));
+  await userEvent.type(screen.getByRole('textbox', { name: 'Why this version?' }), 'limit');
+  const save = screen.getByRole<HTMLButtonElement>('button', { name: 'Save as version 2' });
+  expect(save.disabled).toBe(false);
+  expect(screen.getByText('Limit 70°'), 'drawn in the curve').toBeTruthy();
+  const value = stops.getByRole('textbox', { name: 'Limit in degrees' });
+  await userEvent.clear(value);
+  await userEvent.type(value, '50');
+  expect(
+    stops.getByText('Your own recording reaches 60°: the exercise would stop each time. 63° or more.'),
+  ).toBeTruthy();
+  expect(save.disabled).toBe(true);
+  // The other side has a proposal of its own, in its direction.
+  await userEvent.click(stops.getByRole('radio', { name: 'below' }));
+  expect(save.disabled).toBe(false);
+  expect(stops.getByRole<HTMLInputElement>('textbox', { name: 'Limit in degrees' }).value).toBe('-10°');
 });
 
 it('can be read and used by everybody', async () => {

@@ -1,8 +1,8 @@
-import { act, screen, waitFor, within } from '@testing-library/react';
+import { act, fireEvent, screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, expect, it, vi } from 'vitest';
-import type { Exercise, Patient, PrescriptionIn, Template } from '../../../src/api/types';
+import type { Exercise, Patient, Prescription, PrescriptionIn, Template } from '../../../src/api/types';
 import { PrescribeForm } from '../../../src/pages/patient/PrescribeForm';
 import { renderPage } from '../render';
 
@@ -69,4 +69,40 @@ it('prescribes days, times, a wider band and a limit', async () => {
     tolerance_scale: 1.5,
     stops: [{ kind: 'limit', channel: ANGLE, side: 'above' }],
   });
+});
+
+it('changes a dose with what is there filled in, and names the state that it changes', async () => {
+  const done = vi.fn();
+  const prescription = {
+    id: 'x',
+    exercise_id: 'e',
+    template_id: 't',
+    repetitions: 10,
+    sets: 2,
+    times_per_week: 5,
+    days: [],
+    times: [],
+    tolerance_scale: 1,
+    stops: [],
+    question: '',
+    ends_at: null,
+    number: 3,
+  } as unknown as Prescription;
+  const view = renderPage(
+    <PrescribeForm patient={{ id: 'p' } as Patient} prescription={prescription} onDone={done} />,
+    {
+      answers: {
+        '/api/exercises': [exercise],
+        '/api/patients/p/prescriptions': [prescription],
+        '/api/templates?exercise_id=e&patient_id=p': [template],
+        'PATCH /api/prescriptions/x': [200, {}],
+      },
+    },
+  );
+  const sets = screen.getByRole('textbox', { name: 'Sets' });
+  fireEvent.change(sets, { target: { value: '3' } });
+  await userEvent.click(screen.getByRole('button', { name: 'Save the change' }));
+  await waitFor(() => expect(done).toHaveBeenCalled());
+  const body = view.asked.find((one) => one.method === 'PATCH')?.body;
+  expect(body).toMatchObject({ number: 3, sets: 3, repetitions: 10, template_id: 't' });
 });

@@ -155,6 +155,7 @@ export const session: Translated<typeof english> = {
   'event.guidance_stop': 'Übung angehalten',
   'event.guidance_failed': 'Anleitung beendet',
   'event.guidance_off': 'Vergleich danach',
+  'event.limit_at_rest': 'Grenze schon in Ruhe überschritten',
   'event.implausible': 'Nicht plausible Messwerte',
 
   'analysis.title': 'Die Sitzung wird ausgewertet',

@@ -19,6 +19,13 @@ export const design: Translated<typeof english> = {
   'design.isWatched': 'Nur beobachtet: wird gezeigt, gilt nie als falsch',
   'design.isDrawn': 'Band von Ihnen gezeichnet',
   'design.isRecorded': 'Band wie aufgezeichnet',
+  'design.limitBroken':
+    'Eine Grenze wird von der Aufnahme selbst überschritten. Ändern Sie sie und speichern Sie dann.',
+  'design.limitBroken.above':
+    'Ihre eigene Aufnahme erreicht {value}: Die Übung würde jedes Mal anhalten. {least} oder mehr.',
+  'design.limitBroken.below':
+    'Ihre eigene Aufnahme geht bis {value} hinunter: Die Übung würde jedes Mal anhalten. {least} oder weniger.',
+  'design.limitLine': 'Grenze {value}',
   'design.legendBand': 'Noch richtig',
   'design.legendMean': 'Die aufgezeichnete Bewegung',
   'design.legendRepetition': 'Aufgezeichnete Kurven',

@@ -231,6 +231,13 @@ export const patient: Translated<typeof english> = {
   'prescription.withTemplate': 'Vorlage: {name}',
   'prescription.noTemplate': 'Noch keine Vorlage.',
   'prescription.endsOn': 'Bis {date}',
+  'prescription.change': 'Ändern',
+  'prescription.changeOf': 'Ändern: {name}',
+  'prescription.changeTitle': '„{name}“ ändern',
+  'prescription.saveChange': 'Änderung speichern',
+  'prescription.changed': 'Geändert am {date} von {name}. Vorher: {before}.',
+  'prescription.otherTemplate': 'eine andere Vorlage',
+  'prescription.history': { one: 'Einmal geändert', other: '{count}-mal geändert' },
   'prescription.end': 'Beenden',
   'prescription.endTitle': '{name} beenden?',
   'prescription.endText':

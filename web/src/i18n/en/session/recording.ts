@@ -151,6 +151,7 @@ export const session = {
   'event.guidance_stop': 'Exercise stopped',
   'event.guidance_failed': 'Guidance ended',
   'event.guidance_off': 'Compared afterwards',
+  'event.limit_at_rest': 'Limit broken at rest',
   'event.implausible': 'Implausible readings',
 
   'analysis.title': 'The session is being analysed',

@@ -15,6 +15,11 @@ export const design = {
   'design.isWatched': 'Only watched: shown, never called wrong',
   'design.isDrawn': 'Band drawn by you',
   'design.isRecorded': 'Band as recorded',
+  'design.limitBroken': 'A limit is broken by the recording itself. Change it, then save.',
+  'design.limitBroken.above': 'Your own recording reaches {value}: the exercise would stop each time. {least} or more.',
+  'design.limitBroken.below':
+    'Your own recording goes down to {value}: the exercise would stop each time. {least} or less.',
+  'design.limitLine': 'Limit {value}',
   'design.legendBand': 'Still right',
   'design.legendMean': 'The recorded movement',
   'design.legendRepetition': 'Recorded curves',

@@ -27,9 +27,11 @@ export function BandChart({ curve, draft, left, selected, onSelect, onBand, onBo
   const isSmall = useMediaQuery('(max-width: 600px)') ?? false;
   const width = measured || FALLBACK_WIDTH;
   const height = isSmall ? 340 : 420;
-  const scales = scalesOf(curve, width, height);
-  const edges = edgesOf(curve, knotsFor(draft, curve.channel));
   const unit = displayUnit(curve.unit);
+  const limits = draft.stops.filter((one) => one.kind === 'limit' && one.channel === curve.channel);
+  const limitOf = (one: (typeof limits)[number]) => (one.limit ?? 0) * (curve.unit === 'm' ? 1 : 180 / Math.PI);
+  const scales = scalesOf(curve, width, height, limits.map(limitOf));
+  const edges = edgesOf(curve, knotsFor(draft, curve.channel));
   const clip = useId();
   const parts = stretches(draft.phases);
   const isPlain = draft.watched.includes(curve.channel);
@@ -89,6 +91,18 @@ export function BandChart({ curve, draft, left, selected, onSelect, onBand, onBo
             <path className="band-edge" d={lineOf(edges.low, scales)} />
           </g>
           <path className="band-mean" d={lineOf(curve.mean, scales)} />
+          {limits.map((one, index) => (
+            <g key={index} className="band-limit">
+              <line x1={PAD.left} x2={width - PAD.right} y1={scales.y(limitOf(one))} y2={scales.y(limitOf(one))} />
+              <text
+                x={width - PAD.right - 4}
+                y={scales.y(limitOf(one)) + (one.side === 'below' ? 18 : -6)}
+                textAnchor="end"
+              >
+                {t('design.limitLine', { value: quantity(limitOf(one), curve.unit) })}
+              </text>
+            </g>
+          ))}
         </g>
         {draft.phases.slice(0, -1).map((one, index) => (
           <Border

@@ -5,7 +5,7 @@ import { useNavigate, useParams } from 'react-router';
 import { LegendRow, LegendStroke } from '../../../charts/Legend';
 import { useDrawVersion, useTemplateVersion } from '../../../api/queries';
 import type { TemplateVersionDetail } from '../../../api/types';
-import { Answer, Problem } from '../../../components/Feedback';
+import { Answer, Notice, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { t } from '../../../i18n';
 import {
@@ -20,6 +20,7 @@ import {
   type Draft,
 } from '../../../lib/assessment/design';
 import { pickCurves } from '../../../lib/assessment/comparison';
+import { brokenBy } from '../../../lib/assessment/limits';
 import { bodyLength, date } from '../../../lib/format';
 import { limbOf } from '../../../lib/placements';
 import '../../../styles/design.css';
@@ -153,15 +154,22 @@ function Editor({
     window.addEventListener('beforeunload', ask);
     return () => window.removeEventListener('beforeunload', ask);
   }, [isChanged]);
-  const { curves } = version.content;
+  const { curves, repetitions } = version.content;
+  const left = useMemo(() => new Set(repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [repetitions]);
+  const isBroken = draft.stops.some((one) => brokenBy(one, curves, left));
   const angles = pickCurves(curves, true, version.primary_channel).filter((one) => !one.channel.includes('.'));
   return (
     <div className="stack">
+      {(version.troubles ?? []).map((one) => (
+        <Notice key={one}>{one}</Notice>
+      ))}
       <Drawing version={version} draft={draft} onDraft={(change) => setDraft(change)} />
       {isGuided(version) && (
         <>
           <StopRules
             stops={draft.stops}
+            curves={curves}
+            left={left}
             channels={angles.map((one) => one.channel)}
             primary={version.primary_channel}
             onChange={(stops) => setDraft((now) => ({ ...now, stops }))}
@@ -196,7 +204,7 @@ function Editor({
         />
         {save.error && <Problem error={save.error} />}
         <Group>
-          <Button type="submit" size="lg" disabled={!isChanged || !reason.trim()} loading={save.isPending}>
+          <Button type="submit" size="lg" disabled={!isChanged || !reason.trim() || isBroken} loading={save.isPending}>
             {t('design.save', { number: version.number + 1 })}
           </Button>
           {isChanged && (
@@ -205,7 +213,9 @@ function Editor({
             </Button>
           )}
         </Group>
-        <p className="muted small">{t(isChanged ? 'design.saved' : 'design.unchanged')}</p>
+        <p className={isBroken ? 'problem' : 'muted small'} role={isBroken ? 'alert' : undefined}>
+          {t(isBroken ? 'design.limitBroken' : isChanged ? 'design.saved' : 'design.unchanged')}
+        </p>
       </form>
     </div>
   );

@@ -1,10 +1,11 @@
 // What stops the exercise, in plain words: limits of angles, counts, time, and wrong ones in a row.
 import { ActionIcon, Button, NumberInput, SegmentedControl, Select, Switch } from '@mantine/core';
 import { IconPlus, IconTrash } from '@tabler/icons-react';
-import type { StopDesign } from '../../../api/types';
+import type { PhaseCurve, StopDesign } from '../../../api/types';
 import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
-import { quantity } from '../../../lib/format';
+import { brokenBy, proposedLimit } from '../../../lib/assessment/limits';
+import { number, quantity } from '../../../lib/format';
 import '../../../styles/design.css';
 import { unitOf } from './words';
 
@@ -17,16 +18,21 @@ const START: Record<(typeof COUNTS)[number], number> = {
 };
 const RANGE_HOLD_S = 0.05;
 const MINUTE_S = 60;
+const NINETY = Math.PI / 2;
 
 interface Props {
   stops: readonly StopDesign[];
+  /** Of the template, by which limits are proposed and refused; none: nothing is known of the movement. */
+  curves: readonly PhaseCurve[];
+  /** Repetitions of its recording that do not count. */
+  left: ReadonlySet<number>;
   /** Channels that may have a limit. */
   channels: readonly string[];
   primary: string;
   onChange: (stops: StopDesign[]) => void;
 }
 
-export function StopRules({ stops, channels, primary, onChange }: Props) {
+export function StopRules({ stops, curves, left, channels, primary, onChange }: Props) {
   const set = (index: number, change: Partial<StopDesign>) =>
     onChange(stops.map((one, place) => (place === index ? { ...one, ...change } : one)));
   const hold = (kind: StopDesign['kind']) => quantity(stops.find((one) => one.kind === kind)?.hold_s ?? 0, 's');
@@ -36,7 +42,7 @@ export function StopRules({ stops, channels, primary, onChange }: Props) {
         <h2 id="stops">{t('design.stops')}</h2>
         <p className="muted">{t('design.stopsLead')}</p>
       </div>
-      <LimitRows stops={stops} channels={channels} primary={primary} onChange={onChange} />
+      <LimitRows stops={stops} curves={curves} left={left} channels={channels} primary={primary} onChange={onChange} />
       <ul className="plain-list stop-rows">
         {COUNTS.map((kind) => {
           const index = stops.findIndex((one) => one.kind === kind);
@@ -76,7 +82,14 @@ export function StopRules({ stops, channels, primary, onChange }: Props) {
 }
 
 /** Limits of angles, each with its side and value; other stop rules stay as they are. */
-export function LimitRows({ stops, channels, primary, onChange }: Props) {
+export function LimitRows({ stops, curves, left, channels, primary, onChange }: Props) {
+  // Another angle or side has another limit: the value of the one before says nothing of it.
+  const proposed = (channel: string, side: 'above' | 'below') =>
+    proposedLimit(
+      curves.find((one) => one.channel === channel),
+      side,
+      left,
+    ) ?? NINETY;
   const set = (index: number, change: Partial<StopDesign>) =>
     onChange(stops.map((one, place) => (place === index ? { ...one, ...change } : one)));
   return (
@@ -89,7 +102,9 @@ export function LimitRows({ stops, channels, primary, onChange }: Props) {
                 label={t('design.limitAngle')}
                 data={channels.map((value) => ({ value, label: channelLabel(value).text }))}
                 value={one.channel ?? ''}
-                onChange={(value) => value && set(index, { channel: value })}
+                onChange={(value) =>
+                  value && set(index, { channel: value, limit: proposed(value, one.side ?? 'above') })
+                }
               />
               <div>
                 <span className="field-label" id={`stop-side-${index}`}>
@@ -103,11 +118,16 @@ export function LimitRows({ stops, channels, primary, onChange }: Props) {
                     { value: 'below', label: t('design.limitBelow') },
                   ]}
                   value={one.side ?? 'above'}
-                  onChange={(value) => set(index, { side: value === 'below' ? 'below' : 'above' })}
+                  onChange={(value) => {
+                    const side = value === 'below' ? 'below' : 'above';
+                    set(index, { side, limit: proposed(one.channel ?? '', side) });
+                  }}
                 />
               </div>
               <LimitValue
                 channel={one.channel ?? ''}
+                side={one.side ?? 'above'}
+                broken={brokenBy(one, curves, left)}
                 value={one.limit ?? 0}
                 onChange={(limit) => set(index, { limit })}
               />
@@ -129,7 +149,13 @@ export function LimitRows({ stops, channels, primary, onChange }: Props) {
           leftSection={<IconPlus size={18} aria-hidden />}
           onClick={() =>
             onChange([
-              { kind: 'limit', channel: primary, limit: Math.PI / 2, side: 'above', hold_s: RANGE_HOLD_S },
+              {
+                kind: 'limit',
+                channel: primary,
+                limit: proposed(primary, 'above'),
+                side: 'above',
+                hold_s: RANGE_HOLD_S,
+              },
               ...stops,
             ])
           }
@@ -141,12 +167,24 @@ export function LimitRows({ stops, channels, primary, onChange }: Props) {
   );
 }
 
+/** As it is read, rounded to the side that keeps the recording. */
+function amount(channel: string, value: number, to: 'above' | 'below' | 'plain'): string {
+  const isLength = unitOf(channel) === 'm';
+  const shown = value * (isLength ? 100 : 180 / Math.PI);
+  const whole = { above: Math.ceil, below: Math.floor, plain: Math.round }[to](Number(shown.toFixed(6)));
+  return `${number(whole)}${isLength ? '\u00a0cm' : '°'}`;
+}
+
 function LimitValue({
   channel,
+  side,
+  broken,
   value,
   onChange,
 }: {
   channel: string;
+  side: 'above' | 'below';
+  broken: { value: number; least: number } | null;
   value: number;
   onChange: (value: number) => void;
 }) {
@@ -155,7 +193,14 @@ function LimitValue({
   return (
     <NumberInput
       label={t(isLength ? 'design.limitValueM' : 'design.limitValue')}
-      w={150}
+      w={broken ? 280 : 150}
+      error={
+        broken &&
+        t(`design.limitBroken.${side}`, {
+          value: amount(channel, broken.value, 'plain'),
+          least: amount(channel, broken.least, side),
+        })
+      }
       suffix={isLength ? ' cm' : '°'}
       decimalScale={isLength ? 1 : 0}
       value={Number((value * factor).toFixed(isLength ? 1 : 0))}

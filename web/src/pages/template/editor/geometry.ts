@@ -17,10 +17,13 @@ export interface Scales {
   ticks: number[];
 }
 
-export function scalesOf(curve: PhaseCurve, width: number, height: number): Scales {
+export function scalesOf(curve: PhaseCurve, width: number, height: number, limits: readonly number[] = []): Scales {
   const [low, high] = extent(curve.mean, ...curve.repetitions) ?? [0, 1];
   const room = ROOM * Math.max(...(curve.width ?? []).map((one) => one ?? 0), (high - low) / 20, 1e-6);
-  const [from, to] = [low - room, high + room];
+  // A limit is in the picture, with room for its word.
+  const edge = (high - low + 2 * room) / 12;
+  const from = Math.min(low - room, ...limits.map((one) => one - edge));
+  const to = Math.max(high + room, ...limits.map((one) => one + edge));
   const top = PAD.top;
   const bottom = height - PAD.bottom;
   const across = Math.max(1, width - PAD.left - PAD.right);
