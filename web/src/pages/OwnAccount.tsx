@@ -1,5 +1,6 @@
 import { Button, PasswordInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
+import { Link } from 'react-router';
 import { useChangePassword } from '../api/queries';
 import { Notice, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
@@ -43,6 +44,11 @@ export function OwnAccountPage() {
           {change.isSuccess && (
             <Notice>
               <p role="status">{t('account.changed')}</p>
+              {!me.must && (
+                <Button component={Link} to="/" mt={12}>
+                  {t('account.goOn')}
+                </Button>
+              )}
             </Notice>
           )}
           <PasswordInput

@@ -12,8 +12,8 @@ import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
-import { keys, useExercises, useSession } from '../../api/queries';
-import type { HealthMessage, Placement, PlayerState, SessionDetail } from '../../api/types';
+import { keys, useExercises, useGrants, useSession } from '../../api/queries';
+import type { CalibrationMessage, HealthMessage, Placement, PlayerState, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -32,6 +32,7 @@ import { useCalibrating } from '../calibration/useCalibrating';
 import { Elsewhere, useElsewhere } from '../../sensors/Elsewhere';
 import { measuringFor, sendRest } from '../../sensors/registry';
 import { Controls, Count, isGuided, NowLine } from './exercise/Doing';
+import { hasHurt } from './exercise/hurt';
 import { useHold } from './exercise/useHold';
 import { isRecording, momentOf, type Moment } from './moment';
 import { PlainProblem } from './PlainProblem';
@@ -45,6 +46,11 @@ const LIVE = { mode: 'live' } as const;
 const EMPTY_PERCENT = 15;
 /** How often to ask whether the result is ready. */
 const ASK_MS = 2000;
+/** So long somebody tries to hold still before another way is offered. */
+const ANOTHER_WAY_MS = 20_000;
+const READ_MS = 4_000;
+/** What keeps the pose from being held, of all that a calibration says. */
+const TROUBLES: readonly string[] = ['live.moved', 'live.sends_nothing', 'live.gap_hold'];
 
 const ICONS: Partial<Record<Moment, typeof IconRun>> = {
   lost: IconAntennaBarsOff,
@@ -132,6 +138,30 @@ function Trouble({ error }: { error: unknown }) {
   );
 }
 
+/** What keeps the pose from being still, by its part; after a while another way to hold it. */
+function Unsteady({ guide }: { guide: CalibrationMessage | null }) {
+  const [isLong, setLong] = useState(false);
+  useEffect(() => {
+    const timer = setTimeout(() => setLong(true), ANOTHER_WAY_MS);
+    return () => clearTimeout(timer);
+  }, []);
+  const [trouble, setTrouble] = useState('');
+  const hint = guide?.sentences?.hint;
+  const now = hint && !Array.isArray(hint) && TROUBLES.includes(hint.code) ? (guide?.hint ?? '') : '';
+  useEffect(() => {
+    if (now) setTrouble(now);
+    // A tremor comes and goes: its words stay long enough to be read.
+    const timer = now ? undefined : setTimeout(() => setTrouble(''), READ_MS);
+    return () => clearTimeout(timer);
+  }, [now]);
+  return (
+    <div role="status">
+      {trouble && <p className="strong">{trouble}</p>}
+      {isLong && <p>{t('home.stillOther')}</p>}
+    </div>
+  );
+}
+
 function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
   const client = useQueryClient();
   const snapshot = useSnapshot(player);
@@ -170,6 +200,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isResting = isDoing && hold.held !== null && hold.held !== 'lost';
   const isWaiting = moment === 'putOn' || (moment === 'silent' && !isResting);
   const isElsewhere = useElsewhere(isWaiting);
+  const isHurt = (moment === 'preparing' || moment === 'done') && hasHurt(session, guidance);
+  const therapists = (useGrants(session.patient_id, isHurt).data ?? []).filter((one) => one.level === 'treat');
+  const therapist = therapists.length === 1 ? therapists[0]?.display_name : undefined;
   return (
     <div className={isDoing ? 'stack doing' : 'stack'}>
       {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
@@ -197,11 +230,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         >
           <div role="status">
             <h2>
-              {Icon && <Icon size={38} aria-hidden />}
-              {t(`home.moment.${moment}`)}
+              {Icon && !isHurt && <Icon size={38} aria-hidden />}
+              {isHurt ? t('home.moment.hurt') : t(`home.moment.${moment}`)}
             </h2>
+            {isHurt && <p>{t('home.moment.hurt.text', { name: therapist ?? t('home.moment.hurt.someone') })}</p>}
             <p>{moment === 'ready' ? forPosture('ready', exercise?.posture) : t(`home.moment.${moment}.text`)}</p>
           </div>
+          {moment === 'holding' && <Unsteady guide={guide} />}
           {moment === 'holding' && guide && (
             <Progress
               value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)}

@@ -173,10 +173,15 @@ describe('an exercise while it is done', () => {
   });
 
   it('counts what was done earlier today', () => {
-    show(<Exercise guidance={said({ before: 4, counts: { valid: 2, partial: 0, wrong: 0 } })} />, FINE);
+    const { again } = show(
+      <Exercise guidance={said({ before: 4, counts: { valid: 2, partial: 0, wrong: 0 } })} />,
+      FINE,
+    );
     const count = screen.getByLabelText('Counted');
-    expect(count.textContent).toContain('6of 10');
-    expect(count.textContent).toContain('4 of them earlier today');
+    // Large is this round, small the day; both go on beyond the goal.
+    expect(count.textContent).toBe('26 of 10 today');
+    again(<Exercise guidance={said({ goal: 6, before: 201, counts: { valid: 3, partial: 0, wrong: 0 } })} />);
+    expect(screen.getByLabelText('Counted').textContent).toBe('3204 today, goal of 6 reached');
   });
 
   it('says in a break what is left of the day', () => {
@@ -187,7 +192,7 @@ describe('an exercise while it is done', () => {
 });
 
 describe('the questions after it', () => {
-  const session = { id: 's', patient_id: 'p', exercise_id: 'e' } as SessionDetail;
+  const session = { id: 's', patient_id: 'p', exercise_id: 'e', events: [] } as unknown as SessionDetail;
   const empty = {
     pain: null,
     effort: null,
@@ -216,6 +221,33 @@ describe('the questions after it', () => {
     await userEvent.click(screen.getByRole('button', { name: 'Send to my therapist' }));
     expect(asked.at(-1)).toEqual(['PUT /api/sessions/s/answers', { pain: 1, effort: 6 }]);
     expect(await screen.findByText('Thank you. Your therapist can read it.')).toBeTruthy();
+  });
+
+  it('thanks who stopped because it hurt, and does not ask whether it did', async () => {
+    const events = [{ kind: 'pain', sentences: {} }] as unknown as SessionDetail['events'];
+    show(<After session={{ ...session, events }} guidance={null} />, (path, body) =>
+      path.endsWith('/answers')
+        ? Response.json(body ? { ...empty, ...(body as object), answered_at: '2026-11-25T18:00:00Z' } : empty)
+        : Response.json({ measures: [] }),
+    );
+    const group = await screen.findByRole('group', { name: 'How much did it hurt?' });
+    expect(screen.queryByText(/That counts/)).toBeNull();
+    const marks = [...group.querySelectorAll('input')].map((one) => one.value);
+    expect(marks).toEqual(['1', '2', '3', '4', '5', '6', '7', '8', '9', '10']);
+    await userEvent.click(group.querySelectorAll('input')[5]!);
+    await userEvent.click(screen.getByRole('button', { name: 'Send to my therapist' }));
+    expect(asked.at(-1)).toEqual(['PUT /api/sessions/s/answers', { pain: 6 }]);
+  });
+
+  it('keeps the buttons after pain where they are when it becomes known', async () => {
+    const { again } = show(<Exercise guidance={said()} />, FINE);
+    await userEvent.click(screen.getByRole('button', { name: 'It hurts' }));
+    const known = await screen.findByText('Your therapist sees that it hurt.');
+    const held = said({ status: 'stopped', cause: 'pain' });
+    again(<Exercise guidance={held} />);
+    // Its line was there before: nothing has come in above the buttons.
+    expect(screen.getByText('Your therapist sees that it hurt.')).toBe(known);
+    expect(known.getAttribute('aria-hidden')).not.toBe('true');
   });
 
   it('knows what was counted after the page was loaded again', async () => {

@@ -8,7 +8,8 @@ export const doing: Translated<typeof english> = {
   'doing.free': 'Machen Sie Ihre Übung',
   'doing.alone': 'Ihre Bewegungen können gerade nicht gezählt werden. Aufgezeichnet wird trotzdem alles.',
   'doing.count': 'Gezählt',
-  'doing.before': { one: '1 davon heute schon früher', other: '{count} davon heute schon früher' },
+  'doing.todayOf': 'heute {count} von {goal}',
+  'doing.todayBeyond': 'heute {count}, Ziel von {goal} erreicht',
   'doing.of': 'von {goal}',
   'doing.beyond': 'Ziel von {goal} erreicht',
   'doing.partial': { one: '{count} nicht ganz weit genug', other: '{count} nicht ganz weit genug' },
@@ -57,6 +58,8 @@ export const doing: Translated<typeof english> = {
   'doing.wearPicture': 'Wo die Sensoren getragen werden: {places}',
 
   'after.title': 'Wie war es?',
+  'after.hurt': 'Wie stark hat es wehgetan?',
+  'after.hurt.least': 'ein wenig',
   'after.pain': 'Hat es wehgetan?',
   'after.pain.least': 'gar nicht',
   'after.pain.most': 'sehr stark',

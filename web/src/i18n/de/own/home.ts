@@ -48,6 +48,10 @@ export const home: Translated<typeof english> = {
     'Diese Seite erreicht Ihre Praxis nicht und weiß nicht, ob Ihre Übung gespeichert wird. Sie versucht es von selbst weiter.',
   'home.moment.refused': 'Diese Übung kann hier nicht angezeigt werden',
   'home.moment.refused.text': 'Laden Sie die Seite neu. Wenn das nicht hilft, fragen Sie in Ihrer Praxis nach.',
+  'home.moment.hurt': 'Danke, dass Sie aufgehört haben',
+  'home.moment.hurt.text':
+    '{name} kann sehen, dass es wehgetan hat. Ruhen Sie sich jetzt aus. Wenn der Schmerz bleibt oder stark ist, rufen Sie in Ihrer Praxis an.',
+  'home.moment.hurt.someone': 'Ihre Praxis',
   'home.moment.preparing': 'Gut gemacht',
   'home.moment.preparing.text': 'Ihre Übung ist zu Ende. Das Ergebnis wird vorbereitet; Sie brauchen nicht zu warten.',
   'home.moment.done': 'Ihr Ergebnis ist da',
@@ -69,6 +73,8 @@ export const home: Translated<typeof english> = {
   'home.sensorLost': 'Kein Signal von: {places}. Ist der Sensor geladen und eingeschaltet?',
   'home.sensorEmpty': 'Der Akku ist fast leer: {places}.',
   'home.standing': 'Ich stehe still',
+  'home.stillOther':
+    'Dauert es lange? Drücken Sie „Ich muss mich bewegen“, lehnen Sie den Rücken an etwas Festes, lassen Sie die Arme hängen, und versuchen Sie es noch einmal. Oder machen Sie diese Übung gemeinsam in Ihrer Praxis.',
   'home.cancelStill': 'Ich muss mich bewegen',
   'home.cannotStand': 'Sie können nicht so stehen? Machen Sie diese Übung gemeinsam in Ihrer Praxis.',
   'home.holdingProgress': 'Wie lange Sie noch stillhalten',

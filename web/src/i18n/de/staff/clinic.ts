@@ -66,6 +66,7 @@ export const clinic: Translated<typeof english> = {
   'second.left': { one: 'Ein Ersatzcode ist übrig.', other: '{count} Ersatzcodes sind übrig.' },
   'second.turnOff': 'Ausschalten',
   'account.changed': 'Passwort geändert. Alle anderen Browser wurden abgemeldet.',
+  'account.goOn': 'Weiter',
 
   'data.title': 'Daten',
   'data.export': 'Alles herunterladen',

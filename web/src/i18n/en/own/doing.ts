@@ -5,7 +5,8 @@ export const doing = {
   'doing.free': 'Do your exercise',
   'doing.alone': 'Your movements cannot be counted at the moment. Everything is recorded all the same.',
   'doing.count': 'Counted',
-  'doing.before': { one: '1 of them earlier today', other: '{count} of them earlier today' },
+  'doing.todayOf': '{count} of {goal} today',
+  'doing.todayBeyond': '{count} today, goal of {goal} reached',
   'doing.of': 'of {goal}',
   'doing.beyond': 'goal of {goal} reached',
   'doing.partial': { one: '{count} not quite far enough', other: '{count} not quite far enough' },
@@ -53,6 +54,8 @@ export const doing = {
   'doing.wearPicture': 'Where the sensors are worn: {places}',
 
   'after.title': 'How was it?',
+  'after.hurt': 'How much did it hurt?',
+  'after.hurt.least': 'a little',
   'after.pain': 'Did it hurt?',
   'after.pain.least': 'not at all',
   'after.pain.most': 'very badly',

@@ -44,6 +44,9 @@ export const home = {
     'This page cannot reach your clinic and does not know whether your exercise is being stored. It tries again by itself.',
   'home.moment.refused': 'This exercise cannot be shown here',
   'home.moment.refused.text': 'Reload the page. If that does not help, ask your therapist.',
+  'home.moment.hurt': 'Thank you for stopping',
+  'home.moment.hurt.text': '{name} can see that it hurt. Rest now. If the pain stays or is strong, call your clinic.',
+  'home.moment.hurt.someone': 'Your therapist',
   'home.moment.preparing': 'Well done',
   'home.moment.preparing.text': 'Your exercise has ended. The result is being prepared; you need not wait.',
   'home.moment.done': 'Your result is ready',
@@ -65,6 +68,8 @@ export const home = {
   'home.sensorLost': 'No signal from: {places}. Is it charged and switched on?',
   'home.sensorEmpty': 'The battery is nearly empty: {places}.',
   'home.standing': 'I am standing still',
+  'home.stillOther':
+    'Does it take long? Press “Stop, I have to move”, lean your back against something firm, let your arms hang, and try once more. Or do this exercise together with your therapist.',
   'home.cancelStill': 'Stop, I have to move',
   'home.cannotStand': 'You cannot stand like this? Do this exercise together with your therapist.',
   'home.holdingProgress': 'How much longer to hold still',

@@ -61,6 +61,7 @@ export const clinic = {
   'second.left': { one: 'One recovery code is left.', other: '{count} recovery codes are left.' },
   'second.turnOff': 'Turn off',
   'account.changed': 'Password changed. Every other browser was signed out.',
+  'account.goOn': 'Go on',
 
   'data.title': 'Data',
   'data.export': 'Download everything',

@@ -9,6 +9,7 @@ import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../.
 import { t } from '../../../i18n';
 import { mainMeasure, plainProgress } from '../../../lib/plain';
 import { PlainProblem } from '../PlainProblem';
+import { hasHurt } from './hurt';
 
 const MARKS = Array.from({ length: 11 }, (_, mark) => mark);
 type Question = 'pain' | 'effort' | 'third';
@@ -18,18 +19,21 @@ function Scale({
   name,
   question,
   value,
+  from = 0,
   onChange,
 }: {
   name: Question;
   question: string;
   value: number | null;
+  /** The least mark: who stopped because it hurt is not asked whether it did. */
+  from?: 0 | 1;
   onChange: (mark: number) => void;
 }) {
   return (
     <fieldset className="after-scale">
       <legend>{question}</legend>
       <div className="after-marks">
-        {MARKS.map((mark) => (
+        {MARKS.slice(from).map((mark) => (
           <label key={mark} className={value === mark ? 'after-mark after-chosen' : 'after-mark'}>
             <input type="radio" name={name} value={mark} checked={value === mark} onChange={() => onChange(mark)} />
             {mark}
@@ -37,7 +41,9 @@ function Scale({
         ))}
       </div>
       <p className="after-ends">
-        <span>0: {t(`after.${name}.least`)}</span>
+        <span>
+          {from}: {from === 1 ? t('after.hurt.least') : t(`after.${name}.least`)}
+        </span>
         <span>10: {t(`after.${name}.most`)}</span>
       </p>
     </fieldset>
@@ -73,11 +79,12 @@ export default function After({ session, guidance }: { session: SessionDetail; g
     mutationFn: () => api.put<Answers>(path, said),
     onSuccess: (answers) => client.setQueryData(keys.answers(session.id), answers),
   });
+  const isHurt = hasHurt(session, guidance);
   const set = (name: Question) => (mark: number) => setSaid({ ...said, [name]: mark });
   if (stored.data?.answered_at)
     return (
       <section className="card after-sent" role="status">
-        <TrueWord session={session} guidance={guidance} />
+        {!isHurt && <TrueWord session={session} guidance={guidance} />}
         <p className="after-thanks">
           <IconCheck size={24} aria-hidden /> {t('after.sent')}
         </p>
@@ -85,9 +92,15 @@ export default function After({ session, guidance }: { session: SessionDetail; g
     );
   return (
     <section className="card stack" aria-labelledby="after-title">
-      <TrueWord session={session} guidance={guidance} />
+      {!isHurt && <TrueWord session={session} guidance={guidance} />}
       <h2 id="after-title">{t('after.title')}</h2>
-      <Scale name="pain" question={t('after.pain')} value={said.pain ?? null} onChange={set('pain')} />
+      <Scale
+        name="pain"
+        question={t(isHurt ? 'after.hurt' : 'after.pain')}
+        from={isHurt ? 1 : 0}
+        value={said.pain ?? null}
+        onChange={set('pain')}
+      />
       <Scale name="effort" question={t('after.effort')} value={said.effort ?? null} onChange={set('effort')} />
       {stored.data?.question && (
         <Scale name="third" question={stored.data.question} value={said.third ?? null} onChange={set('third')} />

@@ -24,18 +24,17 @@ function lineOf(guidance: GuidanceMessage | null, posture: Posture | undefined):
 }
 
 export function Count({ guidance }: { guidance: GuidanceMessage }) {
-  const { partial = 0, wrong = 0 } = guidance.counts;
-  const valid = doneOf(guidance);
+  const { valid = 0, partial = 0, wrong = 0 } = guidance.counts;
+  const today = doneOf(guidance);
+  const goal = guidance.goal ?? 0;
+  // Large is what is done in this round; what earlier rounds of the day have brought stands small beside it.
+  const line =
+    goal > 0 ? (guidance.before ? (today > goal ? 'todayBeyond' : 'todayOf') : valid > goal ? 'beyond' : 'of') : null;
   return (
     <div className="doing-count" role="status" aria-label={t('doing.count')}>
       <p className="doing-number">
         <span key={valid}>{valid}</span>
-        {guidance.goal ? (
-          <span className="doing-goal">
-            {t(valid > guidance.goal ? 'doing.beyond' : 'doing.of', { goal: guidance.goal })}
-          </span>
-        ) : null}
-        {guidance.before ? <span className="doing-before">{t('doing.before', { count: guidance.before })}</span> : null}
+        {line && <span className="doing-goal">{t(`doing.${line}`, { goal, count: today })}</span>}
       </p>
       {(partial > 0 || wrong > 0) && (
         <p className="doing-others">
@@ -102,8 +101,14 @@ function HeldCard({ guidance, hold, missing, onFinish, isEnding }: NowProps) {
       <div role="status">
         <h2>{t(`doing.held.${held}`)}</h2>
         <p>{held === 'set' ? t('doing.held.set.text', { count: leftOf(guidance) }) : t(`doing.held.${held}.text`)}</p>
-        {held === 'pain' && hold.isPainKnown && <p>{t('doing.held.pain.known')}</p>}
+        {/* Its place is there before it is known: what comes in late must not move the buttons under a thumb. */}
+        {held === 'pain' && (
+          <p className={hold.isPainKnown ? undefined : 'doing-not-yet'} aria-hidden={!hold.isPainKnown}>
+            {t('doing.held.pain.known')}
+          </p>
+        )}
       </div>
+      <div className="doing-choice">{isOver || held === 'pain' ? [finish, goOn] : [goOn, finish]}</div>
       {hold.isUnreached ? (
         <p className="problem" role="alert">
           {t('doing.notReached')}
@@ -111,7 +116,6 @@ function HeldCard({ guidance, hold, missing, onFinish, isEnding }: NowProps) {
       ) : (
         missing && <p className="muted">{t(`doing.held.without.${missing}`)}</p>
       )}
-      <div className="doing-choice">{isOver || held === 'pain' ? [finish, goOn] : [goOn, finish]}</div>
     </section>
   );
 }
@@ -165,7 +169,7 @@ export function NowLine(props: NowProps) {
 /** Three buttons that are always there, and the count by voice. */
 export function Controls({ guidance, hold }: { guidance: GuidanceMessage | null; hold: Hold }) {
   const [isAloud, setAloud] = useState(wantsVoice);
-  const valid = doneOf(guidance);
+  const valid = guidance?.counts.valid ?? 0;
   const isOn = isAloud && hold.held === null;
   useVoice(isOn, valid, t('doing.say', { count: valid }));
   useVoice(isOn, guidance?.cue_number ?? 0, guidance?.cue ?? '');

@@ -37,6 +37,7 @@ import type { PlayerState } from '../../../api/types';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { Said } from './Said';
+import { SessionWorries, useSessionWorries } from './SessionWorries';
 import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
 import { MassPanel } from './MassPanel';
@@ -114,6 +115,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     [comparison, player],
   );
   const kind = kindOf(session);
+  const isHurt = useSessionWorries(session).some((one) => one.kind === 'pain');
   const { UnderPicture, tab: own, angles: angleTitle, Curves } = partsOf(session).replay;
   const hasCompare = kind.isCompared;
   const markers = useMarkers(session.id);
@@ -127,6 +129,8 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
+      <SessionWorries session={session} />
+      {isHurt && <Said session={session} />}
       <div className="replay-grid" role="group" aria-label={t('replay.title')}>
         <div className="stage" ref={stage}>
           <Viewer3D
@@ -246,7 +250,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
         </Tabs>
       </div>
       <div className="stack below">
-        <Said session={session} />
+        {!isHurt && <Said session={session} />}
         {comparison && comparison.repetitions.length > 0 && (
           <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />
         )}
