@@ -129,8 +129,10 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
-      <SessionWorries session={session} />
-      {isHurt && <Said session={session} />}
+      <div className="stack replay-first">
+        <SessionWorries session={session} />
+        {isHurt && <Said session={session} />}
+      </div>
       <div className="replay-grid" role="group" aria-label={t('replay.title')}>
         <div className="stage" ref={stage}>
           <Viewer3D

@@ -26,7 +26,6 @@ export function SessionWorries({ session }: { session: SessionDetail }) {
             <div className="worry">
               <ReasonMark reason={one.kind} />
               <span className="reason-text">{one.text}</span>
-              {one.kind === 'pain' && one.words && <q className="worry-words">{one.words}</q>}
               {one.seen_at && <span className="muted small">{seenText(one)}</span>}
             </div>
             {session.may_treat && !one.seen_at && (

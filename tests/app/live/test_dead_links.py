@@ -6,8 +6,14 @@ import pytest
 
 from app.gateway import DeviceStream
 from app.live import housekeeping
-
-from .test_closing import ENDED, hello, new_session, receive_until, stream, wait_for_state
+from tests.app.live.streams.test_closing import (
+    ENDED,
+    hello,
+    new_session,
+    receive_until,
+    stream,
+    wait_for_state,
+)
 
 __all__ = ["stream"]
 
