@@ -66,7 +66,7 @@ def may_be_absent(**limits: Any) -> Any:
 
 
 def without_default(schema: dict[str, Any]) -> None:
-    """Leave the default out of what clients are told: absent is not null."""
+    """Leave the default out of what clients read: absent is not null."""
     del schema["default"]
 
 

@@ -322,7 +322,7 @@ def _with_practice(
 
 
 def _troubles(session: Session, row: Prescription) -> list[str]:
-    """Return which stored limits cannot be kept, after an upgrade or with a newer version of the template."""
+    """Return which stored limits cannot hold, after an upgrade or with a newer version of the template."""
     if row.template_id is None or not row.stops:
         return []
     version = newest_version(session, row.template_id)

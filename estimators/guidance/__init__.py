@@ -15,14 +15,24 @@ from estimators.guidance._contract import (
     GuidanceTemplate,
     RepetitionKind,
 )
-from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, SENTENCES, default_rules, range_limits
 from estimators.guidance._guide import Guide
-from estimators.guidance._limits import farthest, is_broken, nearest_limit, proposed_limit
-from estimators.guidance._mirror import mirror_cue_rule, mirror_stop_rule
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import prepare_template, signals, steers
-from estimators.guidance._wording import fitting_sentence
+from estimators.guidance.fitting import (
+    DEFAULT_STOPS,
+    PRAISE,
+    SENTENCES,
+    default_rules,
+    farthest,
+    fitting_sentence,
+    is_broken,
+    mirror_cue_rule,
+    mirror_stop_rule,
+    nearest_limit,
+    proposed_limit,
+    range_limits,
+)
 
 __all__ = [
     "DEFAULT_STOPS",

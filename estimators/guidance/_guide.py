@@ -17,7 +17,6 @@ from estimators.guidance._contract import (
     GuidanceTemplate,
 )
 from estimators.guidance._cue_records import CUE, STOPPED, Said, Spoken
-from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, default_rules
 from estimators.guidance._kernel import run
 from estimators.guidance._orders import CuePace, make_orders, make_said
 from estimators.guidance._records import (
@@ -36,6 +35,7 @@ from estimators.guidance._records import (
 )
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import SLOPE_S
+from estimators.guidance.fitting import DEFAULT_STOPS, PRAISE, default_rules
 from estimators.kernels import filled, restored
 from estimators.recording import Float
 

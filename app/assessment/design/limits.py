@@ -1,4 +1,4 @@
-"""Limits, stop rules and bands that cannot be kept: the template's own recording, or a patient at rest, breaks them.
+"""Limits, stop rules and bands that cannot hold: the template's own recording, or a patient at rest, breaks them.
 
 Such a rule stops an exercise before it begins, again after each "Go on". It is refused where it is set, with the
 value; one that was stored before is said where it is shown.
@@ -65,7 +65,7 @@ def check_stops(stops: Sequence[StopDesign], reached: Reached, at: str) -> None:
 
 
 def troubles_of(stops: Sequence[StopDesign], reached: Reached) -> Iterator[tuple[int, Sentence]]:
-    """Yield place and reason of each stop rule that cannot be kept; see `check_stops`."""
+    """Yield place and reason of each stop rule that cannot hold; see `check_stops`."""
     template = reached.template
     for place, stop in enumerate(stops):
         number = place + 1

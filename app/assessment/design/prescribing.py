@@ -38,7 +38,7 @@ def prescribe(
     Raises
     ------
     InvalidInput
-        As of the repository's `create_prescription`; a limit or the band cannot be kept with this template or by this
+        As of the repository's `create_prescription`; a limit or the band cannot hold with this template or by this
         patient at rest: the message has the value.
     """
     new = exercises.create_prescription(session, subject, patient_id, body)

@@ -36,7 +36,7 @@ class TakenUp:
     time_s : float
         Session time of the last entry.
     has_set_aside : bool
-        Limits that rest itself breaks were found and told.
+        Limits that rest itself breaks were found and reported.
     """
 
     counts: GuidanceCounts = field(default_factory=GuidanceCounts)

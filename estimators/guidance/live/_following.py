@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 
 from estimators.guidance._contract import GuidanceChunk, GuidanceTemplate
-from estimators.guidance._default_rules import DEFAULT_STOPS
 from estimators.guidance._guide import VALID_SHARE, Guide
-from estimators.guidance._limits import least_room
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import CueRule, StopRule
+from estimators.guidance.fitting import DEFAULT_STOPS, least_room
 from estimators.guidance.live._picking import Picking
 from estimators.guidance.live._settling import Settling
 from estimators.pipelines import Frames

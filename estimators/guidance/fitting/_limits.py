@@ -1,4 +1,4 @@
-"""Whether a stop rule can hold: what stops its own template, or a patient at rest, can never be kept."""
+"""Whether a stop rule can hold: what stops its own template, or a patient at rest, can never be met."""
 
 from typing import Final
 
