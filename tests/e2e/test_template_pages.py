@@ -16,7 +16,7 @@ def test_a_band_is_drawn_on_one_phase_and_prescribed(visitor: Visitor, house: Ho
     page = visitor.page
     page.goto(f"{house.address}/exercises/{house.exercise_id}?patient={house.patient_id}")
     settle(visitor)
-    page.get_by_role("link", name="Draw phases and bands").first.click()
+    page.get_by_role("link", name="Edit the template").first.click()
     page.get_by_role("button", name="Suggest phases").click()
     page.get_by_role("button", name=re.compile("^Trunk forward lean")).click()
     upper = page.get_by_role("slider", name="Way out: upper limit")

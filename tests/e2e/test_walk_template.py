@@ -86,7 +86,7 @@ def test_the_template_of_a_walk_goes_the_way_of_all_templates(
     seen(visitor, "walk-template-record")
     page.get_by_role("button", name="Save template").click()
 
-    page.get_by_role("link", name="Draw phases and bands").click()
+    page.get_by_role("link", name="Edit the template").click()
     settle(visitor)
     expect(page.get_by_label("Name of phase 1")).to_have_value("Stance")
     expect(page.get_by_label("Name of phase 2")).to_have_value("Swing")

@@ -54,7 +54,7 @@ if (!root) throw new Error('index.html has no element #root');
 function draw(element: HTMLElement): void {
   createRoot(element).render(
     <StrictMode>
-      <MantineProvider theme={theme} defaultColorScheme="light">
+      <MantineProvider theme={theme} defaultColorScheme="auto">
         <QueryClientProvider client={queryClient}>
           <SignedOutFirst onEnded={toSignIn}>
             <RouterProvider router={router} />

@@ -105,7 +105,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "measure_name.repetition.mean_speed": "Mittlere Handgeschwindigkeit",
     "measure_name.repetition.mean_turning_speed": "Mittlere Drehgeschwindigkeit",
     "measure_name.repetition.movement_units": "Bewegungseinheiten",
-    "measure_name.repetition.multiple_correlation": "Ähnlichkeit der Wiederholungen (CMC)",
+    "measure_name.repetition.multiple_correlation": "Konsistenz (CMC)",
     "measure_name.repetition.path_residual": "Weg der Hand, Unterschied in der Form",
     "measure_name.repetition.path_scale": "Weg der Hand, Faktor zur Größe der Vorlage",
     "measure_name.repetition.path_turn": "Weg der Hand, gegen die Vorlage gedreht",
@@ -119,7 +119,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "measure_name.repetition.shape_deviation": "Unterschied in der Form",
     "measure_name.repetition.shape_rms": "Unterschied in der Form",
     "measure_name.repetition.spectral_arc_length": "Bewegungsfluss (SPARC)",
-    "measure_name.repetition.time_to_peak_speed": "Zeit bis zur höchsten Geschwindigkeit, Anteil am Hinweg",
+    "measure_name.repetition.time_to_peak_speed": "Zeit bis zur höchsten Geschwindigkeit, % der Hinbewegung",
     "measure_name.repetition.timing_deviation": "Ungleichmäßiges Tempo",
     "measure_name.repetition.units_per_metre": "Bewegungseinheiten je Meter",
 }

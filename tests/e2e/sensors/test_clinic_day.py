@@ -84,7 +84,7 @@ def record_template(therapist: Visitor, service: Service) -> None:
     page.get_by_role("link", name="Replay and compare").first.click()
     page.get_by_role("link", name="Make a template from this").click()
     page.get_by_role("button", name="Save template").click()
-    page.get_by_role("link", name="Draw phases and bands").first.click()
+    page.get_by_role("link", name="Edit the template").first.click()
 
 
 def draw(therapist: Visitor) -> None:

@@ -44,7 +44,7 @@ const open = () =>
             measure({ measure: 'joint_lag', label: 'Elbow behind shoulder', value: 62, uncertainty: 8, unit: 'ms' }),
             measure({
               measure: 'multiple_correlation:a',
-              label: 'Elbow flexion, how alike the repetitions are (CMC)',
+              label: 'Elbow flexion, consistency (CMC)',
               group: 'shape',
               value: null,
               uncertainty: null,

@@ -40,7 +40,7 @@ export const clinic: Translated<typeof english> = {
 
   'account.title': 'Mein Konto',
   'account.password': 'Passwort ändern',
-  'account.present': 'Jetziges Passwort',
+  'account.present': 'Aktuelles Passwort',
   'account.change': 'Passwort ändern',
   'account.mustPassword': 'Ihr erstes Passwort kam von jemand anderem. Wählen Sie ein eigenes, um fortzufahren.',
   'account.mustSecond': 'Ihre Praxis verlangt die Anmeldung in zwei Schritten. Richten Sie sie ein, um fortzufahren.',

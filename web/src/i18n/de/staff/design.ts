@@ -3,11 +3,11 @@ import type { Translated } from '../..';
 import type { design as english } from '../../en/staff/design';
 
 export const design: Translated<typeof english> = {
-  'design.title': 'Auf „{name}“ zeichnen',
+  'design.title': 'Vorlage „{name}“ bearbeiten',
   'design.walkLead': 'Benennen Sie die Phasen des Doppelschritts, und zeichnen Sie, wie weit jede gehen darf.',
   'design.lead':
     'Benennen Sie die Phasen, zeichnen Sie, wie weit jede gehen darf, und legen Sie fest, was die Übung anhält und was gesagt wird.',
-  'design.open': 'Phasen und Bänder zeichnen',
+  'design.open': 'Vorlage bearbeiten',
   'design.basedOn': 'Version {number} vom {date}, {by}',
   'design.curves': 'Kurven',
   'design.moreCurves': 'Alle Kurven anzeigen',
@@ -31,12 +31,12 @@ export const design: Translated<typeof english> = {
   'design.legendRepetition': 'Aufgezeichnete Kurven',
   'design.chart': '{curve} über die Bewegung, mit Band und Phasen',
   'design.help':
-    'Ziehen Sie einen Griff nach oben oder unten; jenseits des Randes ist er frei. Ziehen Sie die runden Griffe darunter, um das Ende einer Phase zu verschieben. Mit Tasten: Pfeile, mit der Umschalttaste fünfmal so weit, F für frei.',
+    'Ziehen Sie einen Griff nach oben oder unten; jenseits des Randes gibt es keine Grenze. Ziehen Sie die runden Griffe darunter, um das Ende einer Phase zu verschieben. Mit Tasten: Pfeile, mit der Umschalttaste fünfmal so weit, F für frei.',
   'design.border': 'Ende von „{before}“, Beginn von „{after}“',
   'design.ofMovement': '{percent} % der Bewegung',
   'design.gripAbove': '{phase}: obere Grenze',
   'design.gripBelow': '{phase}: untere Grenze',
-  'design.free': 'frei',
+  'design.free': 'keine Grenze',
   'design.valueAbove': '{value}, {away} über der Kurve',
   'design.valueBelow': '{value}, {away} unter der Kurve',
   'design.whole': 'Ganze Bewegung',
@@ -54,14 +54,14 @@ export const design: Translated<typeof english> = {
   'design.below': 'Darunter',
   'design.aboveOf': '{phase}: wie weit darüber, in {unit}',
   'design.belowOf': '{phase}: wie weit darunter, in {unit}',
-  'design.freeAboveOf': '{phase}: nach oben frei',
-  'design.freeBelowOf': '{phase}: nach unten frei',
+  'design.freeAboveOf': '{phase}: keine Grenze nach oben',
+  'design.freeBelowOf': '{phase}: keine Grenze nach unten',
   'design.split': 'Teilen',
   'design.splitOf': '{phase} teilen',
   'design.remove': 'Entfernen',
   'design.removeOf': '{phase} entfernen',
   'design.scaled':
-    'Aufgezeichnet von einer Person mit {reach} Armreichweite. Positionen werden an den Arm der behandelten Person angepasst.',
+    'Aufgezeichnet von einer Person mit {reach} Armlänge. Positionen werden an den Arm der behandelten Person angepasst.',
   'design.stops': 'Was die Übung anhält',
   'design.stopsLead':
     'Der Schmerzknopf hält immer sofort an, und nach den verordneten Wiederholungen ist die Übung geschafft. Diese Regeln gehen jedem Hinweis vor.',
@@ -76,7 +76,8 @@ export const design: Translated<typeof english> = {
   'design.stop.valid_count': 'Nach so vielen gültigen Wiederholungen ausruhen lassen',
   'design.stop.attempt_count': 'Satz nach so vielen Versuchen beenden, gültig oder nicht',
   'design.stop.time': 'Nach so vielen Minuten anhalten',
-  'design.stop.wrong_in_a_row': 'Nach so vielen falschen hintereinander anhalten und die Bewegung noch einmal zeigen',
+  'design.stop.wrong_in_a_row':
+    'Nach so vielen falschen Wiederholungen hintereinander anhalten und die Bewegung noch einmal zeigen',
   'design.stopValue': 'Zahl für: {rule}',
   'design.stopAlways':
     'Angehalten wird auch, wenn die Sensoren {lost} lang verloren oder {unsure} lang zu ungenau sind.',

@@ -322,7 +322,7 @@ export const patient: Translated<typeof english> = {
   'mine.nothingText': 'Sie haben noch keine Übungen bekommen. Sie werden hier erscheinen.',
   'mine.how': 'Wie es vorangeht',
   'mine.seeResults': 'Meine Ergebnisse ansehen',
-  'mine.noResultYet': 'Nach Ihrer ersten Übung sehen Sie hier, wie es gegangen ist.',
+  'mine.noResultYet': 'Nach Ihrer ersten Übung sehen Sie hier, wie es gelaufen ist.',
   'mine.firstResult': 'Sie haben Ihre erste Übung gemacht. Ab der nächsten sehen Sie, wie es sich verändert.',
   'mine.steady': 'Keine deutliche Veränderung seit Ihren ersten Sitzungen.',
   'mine.further': 'Beweglichkeit ({joint}): jetzt {degrees}° mehr als in Ihren ersten Sitzungen.',

@@ -41,7 +41,7 @@ export const report: Translated<typeof english> = {
     other: '{count} von {of} Sitzungen für den Ausgangswert',
   },
   'course.beside': 'Daneben',
-  'course.meanwhile': 'Inzwischen',
+  'course.meanwhile': 'Ereignisse',
   'course.tableHelp':
     'n: Wiederholungen oder Doppelschritte hinter dem Wert. Eine Veränderung ist echt, wenn sie größer ist als die kleinste nachweisbare Veränderung (95\u00a0%), bestimmt durch Test und Wiederholung zwischen den ersten drei Sitzungen dieser Person.',
   'course.legendRepetitions': 'Patient/in, jede gewertete Wiederholung',

@@ -35,7 +35,7 @@ export const report = {
   'course.chance': 'within chance',
   'course.few': { one: '{count} of {of} baseline sessions', other: '{count} of {of} baseline sessions' },
   'course.beside': 'Beside it',
-  'course.meanwhile': 'Meanwhile',
+  'course.meanwhile': 'Events',
   'course.tableHelp':
     'n: repetitions or strides behind the value. A change is real when it is larger than the minimal detectable change at 95\u00a0%, from test and retest between the first three sessions of this patient.',
   'course.legendRepetitions': 'Patient, each repetition that counts',
