@@ -6,6 +6,7 @@ What a client sent never comes back in an answer (it may be a password or a name
 problem is. Unexpected errors are logged with their trace and answered without any detail.
 """
 
+import contextlib
 import logging
 from typing import Any, cast
 
@@ -20,7 +21,7 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.routing import compile_path
 from starlette.types import ExceptionHandler
-from starlette.websockets import WebSocket
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDisconnected
 
 from app.errors import TelemotionError
 from app.logs import request_id
@@ -195,7 +196,9 @@ async def _send(
         return answer(status, code, message, details)
     # Before the handshake this becomes a refusal (HTTP 403); after it, a close frame with the code as its
     # reason.
-    await connection.close(code=CLOSE_CODES.get(status, 1011), reason=code)
+    # Whoever was told why by a message may have left already.
+    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
+        await connection.close(code=CLOSE_CODES.get(status, 1011), reason=code)
     return None
 
 

@@ -101,6 +101,12 @@ class EventMessage(Schema):
     event: SessionEventOut
 
 
+class PulseMessage(Schema):
+    """Nothing new, once a second in which nothing else was said: a reader that misses it is out of reach."""
+
+    type: Literal["pulse"] = "pulse"
+
+
 class PlayerCommand(Schema):
     """Browser to `/ws/views/{view}`: steer a replay; also once a second while playing, to stay together."""
 
@@ -161,6 +167,7 @@ __all__ = [
     "LayoutMessage",
     "PlayerCommand",
     "PlayerState",
+    "PulseMessage",
     "SensorHealth",
     "StateMessage",
 ]

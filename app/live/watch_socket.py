@@ -1,9 +1,9 @@
 """`/ws/live/{session_id}`: what a dashboard sees of a session, as it happens.
 
 A browser is known by its cookie and its Origin, others by a first message `{"ticket": ...}`. Then come the
-layout, the state, and from then on every change, link health once a second and frames as binary blocks. A
-slow client loses frames, never states; nothing it does slows the session. The right is checked again every
-few seconds, and the socket ends when it is lost.
+layout, the state, and from then on every change, link health once a second and frames as binary blocks; a
+pulse in each second without a word. A slow client loses frames, never states; nothing it does slows the session.
+The right is checked again every few seconds, and the socket ends when it is lost.
 """
 
 import asyncio
@@ -22,6 +22,7 @@ from app.errors import InvalidInput, SignInRequired, TelemotionError
 from app.live import repository
 from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
+from app.live.checks.pulse import Pulse
 from app.live.rights.patience import Patience
 from app.live.rights.questions import RightQuestion, still_allowed
 from app.live.side import LiveSide
@@ -105,9 +106,11 @@ async def _serve(
             await websocket.send_text(message.model_dump_json())
         if socket is not None:
             stack.enter_context(live.bus.attach(BlockSender(blocks, socket)))
+        pulse = Pulse(websocket)
         tasks = [
             asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
-            asyncio.create_task(_send_messages(websocket, messages, socket), name="watch messages"),
+            asyncio.create_task(_send_messages(websocket, messages, socket, pulse), name="watch messages"),
+            asyncio.create_task(pulse.run(), name="watch pulse"),
             asyncio.create_task(_receive(websocket), name="watch receive"),
             asyncio.create_task(_keep_checking(live, right), name="watch right"),
         ]
@@ -139,8 +142,11 @@ async def _send_frames(websocket: WebSocket, frames: Subscription) -> None:
             await websocket.send_bytes(item.block)
 
 
-async def _send_messages(websocket: WebSocket, messages: Subscription, socket: LeanSocket | None) -> None:
+async def _send_messages(
+    websocket: WebSocket, messages: Subscription, socket: LeanSocket | None, pulse: Pulse
+) -> None:
     async for message in messages:
+        pulse.said()
         text = message.model_dump_json()
         if socket is None or not socket.send_text_now(text):
             await websocket.send_text(text)

@@ -13,6 +13,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from app.accounts.dependencies import CurrentAccount, websocket_subject
 from app.errors import InvalidInput, TelemotionError
+from app.live.checks.pulse import Pulse
 from app.live.messages import CameraCommand, ErrorMessage, PlayerCommand
 from app.recordings.schemas import ViewIn, ViewOut
 from app.sentences import say
@@ -67,21 +68,22 @@ async def page_socket(websocket: WebSocket, view_id: str) -> None:
 @router.websocket("/ws/views/{view_id}")
 async def control(websocket: WebSocket, view_id: str) -> None:
     """Steer a view: `player` and `camera` commands in, `player_state` out."""
-    viewer: Viewer = services_of(websocket).get(Viewer)
-    subject = await websocket_subject(websocket)
-    view = await viewer.check(subject, view_id)
-    hold = services_of(websocket).limits.take("sockets", subject)
+    services = services_of(websocket)
+    viewer: Viewer = services.get(Viewer)
+    # Accepted first: a browser does not learn why a handshake was refused, so it could not open another view.
+    await websocket.accept()
     try:
-        await websocket.accept()
-        with view.watched():
+        subject = await websocket_subject(websocket)
+        view = await viewer.check(subject, view_id)
+        with services.limits.take("sockets", subject), view.watched():
             await until_one_ends(
-                _commands(websocket, viewer, view), keep_checking(websocket, viewer, view_id)
+                _commands(websocket, viewer, view),
+                keep_checking(websocket, viewer, view_id),
+                Pulse(websocket).run(),
             )
     except TelemotionError as error:
         await _say_why(websocket, error)
         raise
-    finally:
-        hold.release()
 
 
 async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:

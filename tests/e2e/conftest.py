@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -69,13 +69,22 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-@dataclass(frozen=True)
+@dataclass
 class Service:
     """A process of `telemotion serve` with the people of the demonstration and nothing else."""
 
     address: str
     process: "subprocess.Popen[bytes]"
     engine: engines.Engine
+    begin: Callable[[], "subprocess.Popen[bytes]"]
+
+    def restart(self, pause_s: float = 0.0) -> None:
+        """End the process, begin another at the same address, and wait for its first answer."""
+        self.process.terminate()
+        self.process.wait(PATIENCE_S)
+        time.sleep(pause_s)
+        self.process = self.begin()
+        wait_until_up(self.address, self.process)
 
 
 @contextmanager
@@ -99,16 +108,20 @@ def serving(folder: Path, base_url: str | None = None) -> Iterator[Service]:
         "TELEMOTION_DATA_DIR": str(folder),
         "TELEMOTION_LOG_LEVEL": "warning",
     }
-    server = subprocess.Popen(
-        [sys.executable, "-m", "app.cli", "serve", "--port", str(port)], cwd=ROOT, env=environment
-    )
+
+    def begin() -> "subprocess.Popen[bytes]":
+        return subprocess.Popen(
+            [sys.executable, "-m", "app.cli", "serve", "--port", str(port)], cwd=ROOT, env=environment
+        )
+
+    service = Service(address, begin(), engine, begin)
     try:
-        wait_until_up(address, server)
-        yield Service(address, server, engine)
+        wait_until_up(address, service.process)
+        yield service
     finally:
-        server.send_signal(signal.SIGCONT)
-        server.terminate()
-        server.wait(PATIENCE_S)
+        service.process.send_signal(signal.SIGCONT)
+        service.process.terminate()
+        service.process.wait(PATIENCE_S)
         engine.dispose()
 
 

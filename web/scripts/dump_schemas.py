@@ -36,6 +36,7 @@ SENT_TO_BROWSERS = (
     "EventMessage",
     "ErrorMessage",
     "PlayerState",
+    "PulseMessage",
     "CalibrationMessage",
 )
 

@@ -92,9 +92,12 @@ def page_socket(client, view):
 
 
 def refused(client, path: str, **keywords: Any) -> bool:
+    """Whether nothing comes but a refusal: at the handshake, or by one word that closes."""
     try:
         with client.websocket_connect(path, **keywords) as socket:
-            socket.receive()
+            message = socket.receive_json()
+            assert (message["type"], message["closing"]) == ("error", True)
+            socket.receive_json()
     except WebSocketDisconnect:
         return True
     return False
@@ -197,6 +200,22 @@ def test_a_lost_right_closes_an_open_socket(
 
 def control(client, view):
     return client.websocket_connect(view["control_path"])
+
+
+def test_a_view_that_is_not_known_any_more_is_said_to_be_so(therapist) -> None:
+    """A browser learns nothing of a refused handshake: it would ask its old address for ever."""
+    with therapist.websocket_connect(f"/ws/views/{'0' * 32}") as socket:
+        message = socket.receive_json()
+        assert (message["type"], message["code"], message["closing"]) == ("error", "not_found", True)
+        with pytest.raises(WebSocketDisconnect) as closed:
+            socket.receive_json()
+        assert closed.value.code == 4404
+
+
+def test_a_view_that_is_not_steered_has_a_pulse(therapist, open_view) -> None:
+    with control(therapist, open_view(therapist)) as socket:
+        assert socket.receive_json()["type"] == "player_state"
+        assert socket.receive_json() == {"type": "pulse"}
 
 
 def test_a_replay_obeys_time_speed_and_pause(therapist, open_view, recorded) -> None:

@@ -9,13 +9,17 @@ from urllib.parse import urlsplit
 
 
 class Relay:
-    """Passes bytes on until it is broken: then every connection is cut and no new one is taken."""
+    """Passes bytes on until it is broken: then every connection is cut and no new one is taken.
+
+    Or it swallows them, as a network that went away does: no connection is closed, and nothing arrives.
+    """
 
     def __init__(self) -> None:
         self._target = ("127.0.0.1", 0)
         self._pairs: set[tuple[socket.socket, socket.socket]] = set()
-        self._is_broken = False
+        self._is_broken = self._swallows = False
         self._refused = b""
+        self._dead: set[tuple[socket.socket, ...]] = set()
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
 
@@ -30,12 +34,19 @@ class Relay:
         for pair in list(self._pairs):
             self._cut(pair)
 
+    def swallow(self) -> None:
+        """Take everything and pass nothing on, until mended; what was taken is gone."""
+        self._swallows = True
+
     def refuse(self, beginning: bytes) -> None:
         """Cut every connection that asks for something that begins so, as if it did not come through."""
         self._refused = beginning
 
     def mend(self) -> None:
-        self._is_broken, self._refused = False, b""
+        """Pass on again, over new connections: those that lost something on the way are dead."""
+        dead = list(self._pairs) if self._swallows else []
+        self._is_broken, self._swallows, self._refused = False, False, b""
+        self._dead.update(dead)
 
     def close(self) -> None:
         self._listener.close()
@@ -63,6 +74,8 @@ class Relay:
             while data := source.recv(65536):
                 if self._refused and data.startswith(self._refused):
                     break
+                if self._swallows or pair in self._dead:
+                    continue
                 sink.sendall(data)
         self._cut((pair[0], pair[1]))
 

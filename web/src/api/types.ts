@@ -117,8 +117,16 @@ export type CalibrationKind = CalibrationIn['kind'];
 export type SensorProgress = Schemas['SensorProgress'];
 export type SensorFinding = Schemas['SensorFinding'];
 export type Differences = Schemas['DifferencesOut'];
+export type Pulse = Schemas['PulseMessage'];
 export type LiveMessage =
-  LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | GuidanceMessage | ErrorMessage;
+  | LayoutMessage
+  | StateMessage
+  | HealthMessage
+  | EventMessage
+  | CalibrationMessage
+  | GuidanceMessage
+  | Pulse
+  | ErrorMessage;
 export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];

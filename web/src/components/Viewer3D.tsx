@@ -2,14 +2,14 @@
 import { Button, Skeleton, useComputedColorScheme } from '@mantine/core';
 import { IconPlugConnectedX } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
-import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore } from 'react';
-import { api } from '../api/client';
+import { lazy, Suspense, useEffect, useState, useSyncExternalStore } from 'react';
+import { api, ApiError } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
 import type { Player } from '../player/types';
-import { ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
+import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
 
 // A patient who exercises does not turn the picture: her page loads no buttons for it.
@@ -34,8 +34,13 @@ export interface Viewer3DProps {
 
 export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';
 export type Preset = NonNullable<CameraCommand['preset']>;
-const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null };
 const never = () => () => undefined;
+/** While the service is out of reach it is asked for a view so often. */
+const ASK_AGAIN_MS = 2500;
+/** A view that is refused sooner than this after it was opened is not opened again without a hand. */
+const LEAST_LIFE_MS = 10_000;
+const isOutOfReach = (error: unknown) =>
+  error instanceof ApiError && (error.status === 0 || error.status === 502 || error.status === 503);
 
 export function Viewer3D({
   sessionId,
@@ -65,7 +70,9 @@ export function Viewer3D({
     enabled: isReady,
     staleTime: Infinity,
     gcTime: 0,
-    retry: false,
+    networkMode: 'always',
+    retry: (_, error) => isOutOfReach(error),
+    retryDelay: ASK_AGAIN_MS,
   });
   const [link, setLink] = useState<ViewLink | null>(null);
   const controlPath = view.data?.control_path;
@@ -85,24 +92,19 @@ export function Viewer3D({
   }, [link, ghost]);
   useEffect(() => link?.setTheme(scheme), [link, scheme]);
 
-  const { status, problem, shown } = useSyncExternalStore(
+  const { status, reason, problem, shown, isBlocked, connections } = useSyncExternalStore(
     link?.subscribe ?? never,
-    link?.getSnapshot ?? (() => NOTHING),
+    link?.getSnapshot ?? (() => NO_VIEW),
   );
   useEffect(() => onShown?.(shown), [shown, onShown]);
   useEffect(() => {
     if (from && status === 'open') link?.camera({ preset: from });
   }, [link, from, status]);
-  // A service that was started again knows nothing of this view: after a loss a new one is opened without a hand.
-  const wasLost = useRef(false);
-  const { refetch } = view;
+  // A service that was started again knows nothing of this view: a new one is opened without a hand.
+  const { refetch, dataUpdatedAt } = view;
   useEffect(() => {
-    if (status === 'lost') wasLost.current = true;
-    else if (status === 'refused' && wasLost.current) {
-      wasLost.current = false;
-      void refetch();
-    }
-  }, [status, refetch]);
+    if (status === 'refused' && Date.now() - dataUpdatedAt > LEAST_LIFE_MS) void refetch();
+  }, [status, refetch, dataUpdatedAt]);
 
   if (view.error) {
     return (
@@ -111,13 +113,22 @@ export function Viewer3D({
       </div>
     );
   }
-  const isGone = status === 'lost' || status === 'refused';
+  const isUnreached = view.isFetching && view.failureCount > 0;
+  const isGone = status === 'lost' || status === 'refused' || isUnreached;
+  const words =
+    problem ||
+    (isBlocked
+      ? t('viewer.blocked')
+      : isUnreached || status === 'lost'
+        ? t('viewer.lost')
+        : reason || t('viewer.ended'));
   return (
     <div className="viewer-box">
       <div className={isGone ? 'viewer viewer-gone' : 'viewer'} data-testid="viewer">
         {view.data ? (
           <iframe
-            key={view.data.id}
+            // The frame has a socket of its own, which may not know that it was cut: with a new connection it begins anew.
+            key={`${view.data.id}-${Math.max(1, connections)}`}
             src={view.data.page_path}
             title={title}
             allow="fullscreen"
@@ -132,8 +143,8 @@ export function Viewer3D({
         {(isGone || problem) && (
           <div className="viewer-banner" role="alert">
             <IconPlugConnectedX size={20} aria-hidden />
-            <span>{problem || (status === 'lost' ? t('viewer.lost') : t('viewer.ended'))}</span>
-            {status === 'refused' && (
+            <span>{words}</span>
+            {status === 'refused' && !view.isFetching && (
               <Button size="compact-md" variant="default" onClick={() => void view.refetch()}>
                 {t('viewer.reopen')}
               </Button>

@@ -7,13 +7,15 @@ import type {
   HealthMessage,
   LiveMessage,
   SessionEvent,
+  SessionState,
   StateMessage,
 } from '../api/types';
 import { t } from '../i18n';
 import { createDecoder, type Decoder } from './decoder';
 import { LatencyMeter } from './latency';
 import { FrameRing } from './ring';
-import { ReturningSocket, type ReturningSocketOptions } from './socket';
+import { REACH_S } from './reach';
+import { CONNECTING, ReturningSocket, type ReturningSocketOptions, type SocketState } from './socket';
 import { inOurWords } from '../i18n/sentence';
 import { columnsOf, SnapshotStore, type Clock, type Player, type PlayerSnapshot, type Stretch } from './types';
 
@@ -22,12 +24,10 @@ export const HELD_S = 60;
 const KEPT_EVENTS = 200;
 /** Frames come twenty times a second: after so long without one, no number on the page is of now. */
 export const FRESH_S = 1.5;
-/** The health of the sensors comes once a second: two of them missing, the service is out of reach. */
-export const REACH_S = 2.5;
 /** Who spoke no longer than this after the last frame fell silent with the frames: the sensors are not to blame. */
 const TOGETHER_S = 0.25;
-/** A socket that says nothing for so long is opened anew; a network that went away closes nothing. */
-const GIVE_UP_S = 8;
+/** A session whose sensors are connected is spoken of once a second. */
+const ATTENDED: readonly SessionState[] = ['calibrating', 'ready', 'recording'];
 const WATCH_MS = 250;
 /** Phases come twenty times a second while something moves: what lies further apart is not joined. */
 const PHASE_GAP_S = 0.5;
@@ -51,12 +51,15 @@ export interface LiveSnapshot extends PlayerSnapshot {
   silentSinceS: number | null;
   /** When the service was last heard, s since the epoch, while it is out of reach. */
   lostSinceS: number | null;
+  /** The service answers over HTTP, and the network between refuses the socket. */
+  isBlocked: boolean;
 }
 
 export interface LivePlayerOptions {
   url: string;
   decoder?: Decoder;
   create?: ReturningSocketOptions['create'];
+  answers?: ReturningSocketOptions['answers'];
   now?: () => number;
 }
 
@@ -78,6 +81,7 @@ export class LivePlayer implements Player {
     networkMs: null,
     silentSinceS: null,
     lostSinceS: null,
+    isBlocked: false,
   });
   readonly #decoder: Decoder;
   readonly #socket: ReturningSocket;
@@ -88,7 +92,9 @@ export class LivePlayer implements Player {
   /** Session time at which the picture was paused; frames go on being collected. */
   #pausedAtS: number | null = null;
   #lastFrameS: number | null = null;
-  #lastWordS = 0;
+  /** When the session's health was last said over this connection, or when it was opened. */
+  #attendedS = 0;
+  #link: SocketState = CONNECTING;
   readonly #watch: ReturnType<typeof setInterval>;
 
   constructor(options: LivePlayerOptions) {
@@ -97,15 +103,15 @@ export class LivePlayer implements Player {
     this.#socket = new ReturningSocket({
       url: options.url,
       create: options.create,
-      onStatus: (connection, reason) => this.#follow(connection, reason),
-      onText: (text) => {
-        this.#heard();
-        this.#takeText(text);
+      answers: options.answers,
+      now: options.now,
+      onState: (link) => {
+        this.#link = link;
+        this.#judge();
       },
-      onBinary: (buffer) => {
-        this.#heard();
-        void this.#takeFrames(buffer);
-      },
+      onOpen: () => this.#beginAnew(),
+      onText: (text) => this.#takeText(text),
+      onBinary: (buffer) => void this.#takeFrames(buffer),
     });
     this.#watch = setInterval(() => this.#look(), WATCH_MS);
   }
@@ -168,36 +174,41 @@ export class LivePlayer implements Player {
     this.#decoder.close();
   }
 
-  #follow(connection: PlayerSnapshot['connection'], reason: string): void {
-    if (connection === 'open') this.#heard();
-    this.#store.set({
-      connection,
-      problem: connection === 'open' ? null : reason || this.#store.get().problem,
-      lostSinceS:
-        connection === 'lost' ? (this.#store.get().lostSinceS ?? (this.#lastWordS || this.#latency.now())) : null,
-    });
-  }
-
-  /** The service said something. */
-  #heard(): void {
-    this.#lastWordS = this.#latency.now();
-    if (this.#store.get().lostSinceS !== null && this.#socket.isOpen)
-      this.#store.set({ connection: 'open', problem: null, lostSinceS: null });
+  /** What was said over another connection is not of now: a service that was started again knows nothing of it. */
+  #beginAnew(): void {
+    this.#attendedS = this.#latency.now();
+    this.#store.set({ health: null, calibration: null, error: null });
   }
 
   /** What did not come cannot call: look for it. */
   #look(): void {
-    const { connection, health, state } = this.#store.get();
     const nowS = this.#latency.now();
     const isSilent = this.#lastFrameS !== null && nowS - this.#lastFrameS > FRESH_S;
     this.#store.set({ silentSinceS: isSilent ? this.#lastFrameS : null });
-    const isOver = state !== null && ['closing', 'analysed', 'failed'].includes(state.state);
-    const quietS = nowS - this.#lastWordS;
     // Frames and words that end at the same moment: it is the service or the way to it, and no sensor.
-    const endedTogether = isSilent && this.#lastWordS - (this.#lastFrameS ?? 0) < TOGETHER_S;
-    if (!this.#socket.isOpen || health === null || isOver || quietS < (endedTogether ? FRESH_S : REACH_S)) return;
-    if (connection === 'open') this.#follow('lost', '');
-    if (quietS > GIVE_UP_S) this.#socket.reopen();
+    if (isSilent && this.#socket.isOpen && !this.#isOver && this.#socket.heardS - (this.#lastFrameS ?? 0) < TOGETHER_S)
+      this.#socket.doubt();
+    this.#judge();
+  }
+
+  get #isOver(): boolean {
+    const { state } = this.#store.get();
+    return state !== null && ['closing', 'analysed', 'failed'].includes(state.state);
+  }
+
+  /** Whether the service is in reach: the socket tells, and for a session with sensors its health besides. */
+  #judge(): void {
+    const { state, problem } = this.#store.get();
+    const nowS = this.#latency.now();
+    const { status, reason, lostSinceS, isBlocked } = this.#link;
+    const isAttended = Math.max(this.#attendedS, this.#lastFrameS ?? 0) > nowS - REACH_S;
+    const isMissed = status === 'open' && state !== null && ATTENDED.includes(state.state) && !isAttended;
+    this.#store.set({
+      connection: isMissed ? 'lost' : status,
+      problem: status === 'open' ? null : reason || problem,
+      lostSinceS: isMissed ? (this.#store.get().lostSinceS ?? this.#attendedS) : lostSinceS,
+      isBlocked,
+    });
   }
 
   #takeText(text: string): void {
@@ -223,7 +234,9 @@ export class LivePlayer implements Player {
         this.#store.set({ state: message });
         break;
       case 'health':
+        this.#attendedS = this.#latency.now();
         this.#store.set({ health: message, networkMs: this.#latency.read() });
+        this.#judge();
         break;
       case 'event':
         this.#store.set({ events: [...this.#store.get().events, message.event].slice(-KEPT_EVENTS) });

@@ -1,7 +1,7 @@
 // The socket that steers a 3D view: what changes goes at once, and once a second while playing, so both stay together.
 import { socketUrl } from '../api/client';
-import type { CameraCommand, ErrorMessage, PlayerCommand, PlayerState } from '../api/types';
-import { ReturningSocket, type ReturningSocketOptions, type SocketStatus } from './socket';
+import type { CameraCommand, ErrorMessage, PlayerCommand, PlayerState, Pulse } from '../api/types';
+import { CONNECTING, ReturningSocket, type ReturningSocketOptions, type SocketState } from './socket';
 import { inOurWords } from '../i18n/sentence';
 import { SnapshotStore, type Player } from './types';
 
@@ -12,18 +12,21 @@ export interface GhostChoice {
   warp: boolean;
 }
 
-export interface ViewSnapshot {
-  status: SocketStatus;
-  /** Why the view is lost or refused, or what it could not do, in words. */
+export interface ViewSnapshot extends SocketState {
+  /** What it could not do, in words. */
   problem: string;
   /** What the scene says it shows. */
   shown: PlayerState | null;
+  /** How often the view was connected to. */
+  connections: number;
 }
+
+export const NO_VIEW: ViewSnapshot = { ...CONNECTING, problem: '', shown: null, connections: 0 };
 
 export class ViewLink {
   readonly #player: Player | null;
   readonly #socket: ReturningSocket;
-  readonly #store = new SnapshotStore<ViewSnapshot>({ status: 'connecting', problem: '', shown: null });
+  readonly #store = new SnapshotStore<ViewSnapshot>(NO_VIEW);
   readonly #stop: () => void;
   readonly #timer: ReturnType<typeof setInterval> | undefined;
   #ghost: GhostChoice = { ghost: true, warp: true };
@@ -31,13 +34,18 @@ export class ViewLink {
   #sent = '';
 
   /** A live view steers itself: it takes no player, only the camera. */
-  constructor(controlPath: string, player: Player | null, create?: ReturningSocketOptions['create']) {
+  constructor(
+    controlPath: string,
+    player: Player | null,
+    options: Pick<ReturningSocketOptions, 'create' | 'answers'> = {},
+  ) {
     this.#player = player;
     this.#socket = new ReturningSocket({
       url: socketUrl(controlPath),
-      create,
-      onStatus: (status, problem) => this.#store.set({ status, problem }),
+      ...options,
+      onState: (state) => this.#store.set(state.status === 'open' ? state : { ...state, problem: '' }),
       onOpen: () => {
+        this.#store.set({ connections: this.#store.get().connections + 1 });
         this.#sendPlayer(true);
         this.camera({});
       },
@@ -86,7 +94,7 @@ export class ViewLink {
   }
 
   #take(text: string): void {
-    const message = inOurWords(JSON.parse(text) as PlayerState | ErrorMessage);
+    const message = inOurWords(JSON.parse(text) as PlayerState | ErrorMessage | Pulse);
     if (message.type === 'player_state') this.#store.set({ shown: message, problem: '' });
     else if (message.type === 'error') {
       if (message.closing) this.#socket.refuse(message.message);

@@ -15,6 +15,7 @@ function linkWords(recorder: RecorderState): string {
   const { status } = recorder.link;
   if (status === 'open' && recorder.waitingS > ON_THE_WAY_S)
     return t('sensors.link.behind', { seconds: secondsText(recorder.waitingS) });
+  if (status === 'lost' && recorder.link.isBlocked) return t('sensors.link.blocked');
   return t(`sensors.link.${status}`);
 }
 

@@ -6,8 +6,11 @@ import { FakeSocket, layoutMessage, packBlock, settle } from './fixtures';
 
 let player: LivePlayer;
 let nowS = 1000;
+/** Whether the service answers over HTTP. */
+let answers = true;
 
 beforeEach(() => {
+  answers = true;
   vi.useFakeTimers();
   vi.stubGlobal('WebSocket', { OPEN: 1 });
   FakeSocket.made.length = 0;
@@ -16,6 +19,7 @@ beforeEach(() => {
     url: 'ws://test/ws/live/s',
     decoder: new InlineDecoder(),
     create: FakeSocket.create,
+    answers: () => Promise.resolve(answers),
     now: () => nowS,
   });
 });
@@ -24,6 +28,44 @@ afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
 });
+
+const wait = (seconds: number) => {
+  for (let quarter = 0; quarter < 4 * seconds; quarter += 1) {
+    nowS += 0.25;
+    vi.advanceTimersByTime(250);
+  }
+};
+/** As `wait`, with all that was promised meanwhile. */
+const pass = async (seconds: number) => {
+  for (let quarter = 0; quarter < 4 * seconds; quarter += 1) {
+    nowS += 0.25;
+    await vi.advanceTimersByTimeAsync(250);
+  }
+};
+const health = {
+  type: 'health',
+  sensors: [],
+  packets_stored: 1,
+  packets_missing: 0,
+  latency_ms_median: 5,
+  latency_ms_p99: 9,
+  clock_skew_ppm: null,
+};
+const stateMessage = (state: string) => ({
+  type: 'state',
+  state,
+  reason: '',
+  session_time_s: 3,
+  recording_start_s: 1,
+  calibration: null,
+  calibration_progress: null,
+});
+const begin = async () => {
+  FakeSocket.last.accept();
+  FakeSocket.last.say(layoutMessage());
+  FakeSocket.last.say(health);
+  await send(0, 50);
+};
 
 const send = async (firstTick: number, ticks: number, publishedS = 1000) => {
   FakeSocket.last.say(packBlock({ ticks, columns: 3, firstTick, publishedS }));
@@ -113,6 +155,9 @@ describe('LivePlayer', () => {
     vi.advanceTimersByTime(500);
     expect(FakeSocket.made).toHaveLength(3);
     FakeSocket.last.accept();
+    // A proxy may take the socket and pass nothing on: only a word counts.
+    expect(player.getSnapshot().connection).toBe('lost');
+    FakeSocket.last.say(layoutMessage());
     expect(player.getSnapshot().connection).toBe('open');
   });
 
@@ -147,15 +192,6 @@ describe('LivePlayer', () => {
   it('tells the delay since publication, and never a negative one', async () => {
     FakeSocket.last.accept();
     FakeSocket.last.say(layoutMessage());
-    const health = {
-      type: 'health',
-      sensors: [],
-      packets_stored: 1,
-      packets_missing: 0,
-      latency_ms_median: 5,
-      latency_ms_p99: 9,
-      clock_skew_ppm: null,
-    };
     nowS = 1000.04;
     await send(0, 5, 1000);
     FakeSocket.last.say(health);
@@ -172,28 +208,6 @@ describe('LivePlayer', () => {
 });
 
 describe('what does not come', () => {
-  const health = {
-    type: 'health',
-    sensors: [],
-    packets_stored: 1,
-    packets_missing: 0,
-    latency_ms_median: 5,
-    latency_ms_p99: 9,
-    clock_skew_ppm: null,
-  };
-  const wait = (seconds: number) => {
-    for (let quarter = 0; quarter < 4 * seconds; quarter += 1) {
-      nowS += 0.25;
-      vi.advanceTimersByTime(250);
-    }
-  };
-  const begin = async () => {
-    FakeSocket.last.accept();
-    FakeSocket.last.say(layoutMessage());
-    FakeSocket.last.say(health);
-    await send(0, 50);
-  };
-
   it('leaves no number of now behind when frames stop, and goes on with the next one', async () => {
     await begin();
     for (let turn = 0; turn < 4; turn += 1) {
@@ -221,6 +235,7 @@ describe('what does not come', () => {
     wait(8);
     expect(FakeSocket.made.length).toBeGreaterThan(2);
     FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
     expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
   });
 
@@ -245,7 +260,7 @@ describe('what does not come', () => {
     expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1000 });
   });
 
-  it('does not miss a service that has nothing more to say', async () => {
+  it('misses no frames and no health of a session that has ended, only the pulse', async () => {
     await begin();
     FakeSocket.last.say({
       type: 'state',
@@ -256,9 +271,143 @@ describe('what does not come', () => {
       calibration: null,
       calibration_progress: null,
     });
-    wait(60);
+    for (let second = 0; second < 60; second += 1) {
+      FakeSocket.last.say({ type: 'pulse' });
+      wait(1);
+    }
     expect(player.getSnapshot().connection).toBe('open');
     expect(FakeSocket.made).toHaveLength(1);
+    wait(3);
+    expect(player.getSnapshot().connection).toBe('lost');
+  });
+});
+
+describe('what was kept from before', () => {
+  /** The words of a service that was started again, before the gateway came back. */
+  const returned = () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    FakeSocket.last.say(stateMessage('link_lost'));
+  };
+
+  it('does not judge a service that was started again by the health of the one before', async () => {
+    await begin();
+    FakeSocket.last.say(stateMessage('recording'));
+    FakeSocket.last.drop();
+    await pass(1);
+    returned();
+    const seen = new Set<string>();
+    for (let second = 0; second < 40; second += 1) {
+      FakeSocket.last.say({ type: 'pulse' });
+      await pass(1);
+      seen.add(player.getSnapshot().connection);
+    }
+    expect([...seen]).toEqual(['open']);
+    expect(FakeSocket.made).toHaveLength(2);
+    expect(player.getSnapshot()).toMatchObject({ health: null, calibration: null, silentSinceS: 1000 });
+    FakeSocket.last.say(layoutMessage());
+    FakeSocket.last.say(stateMessage('recording'));
+    FakeSocket.last.say(health);
+    await send(50, 50);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', silentSinceS: null });
+  });
+
+  it('misses the health of a session that is said to run, although the service is heard', async () => {
+    await begin();
+    FakeSocket.last.say(stateMessage('recording'));
+    const seen: string[] = [];
+    for (let second = 0; second < 20; second += 1) {
+      FakeSocket.last.say({ type: 'pulse' });
+      wait(1);
+      seen.push(player.getSnapshot().connection);
+    }
+    expect(seen.slice(3).every((one) => one === 'lost')).toBe(true);
+    expect(player.getSnapshot().lostSinceS).toBe(1000);
+    FakeSocket.last.say(health);
+    await send(50, 50);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
+  });
+
+  it('opens another socket after the machine slept, and takes nothing that had waited', async () => {
+    await begin();
+    nowS += 60;
+    const slept = FakeSocket.last;
+    slept.say(health);
+    expect(FakeSocket.made).toHaveLength(2);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1000 });
+    slept.say(packBlock({ ticks: 50, columns: 3, firstTick: 50, publishedS: 1001 }));
+    await settle();
+    expect(player.clock().endS).toBeCloseTo(0.49);
+    await begin();
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
+  });
+
+  it('does not take a pause of the network for sleep: timers ran', async () => {
+    await begin();
+    wait(6);
+    FakeSocket.last.say(health);
+    expect(FakeSocket.made).toHaveLength(1);
+    expect(player.getSnapshot().connection).toBe('open');
+  });
+});
+
+describe('the way back', () => {
+  it('tries at once when the service answers again, whatever the wait still is', async () => {
+    await begin();
+    answers = false;
+    FakeSocket.last.drop();
+    for (let second = 0; second < 90; second += 1) {
+      await pass(1);
+      if (FakeSocket.last.readyState === 0) FakeSocket.last.drop();
+    }
+    const { length } = FakeSocket.made;
+    answers = true;
+    await pass(3);
+    expect(FakeSocket.made.length).toBeGreaterThan(length);
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', isBlocked: false });
+  });
+
+  it('lets go of a try that hangs when the service answers again', async () => {
+    await begin();
+    answers = false;
+    FakeSocket.last.drop();
+    await pass(9);
+    const { length } = FakeSocket.made;
+    answers = true;
+    await pass(3);
+    expect(FakeSocket.made.length).toBeGreaterThan(length);
+  });
+
+  it('tells a network that refuses sockets from a service that is away, and since when, once', async () => {
+    const since = new Set<number | null>();
+    for (let second = 0; second < 60; second += 1) {
+      if (FakeSocket.last.readyState === 0) FakeSocket.last.drop();
+      await pass(1);
+      since.add(player.getSnapshot().lostSinceS);
+      expect(player.getSnapshot().connection).toBe('lost');
+    }
+    expect([...since]).toEqual([1000]);
+    expect(player.getSnapshot().isBlocked).toBe(true);
+    answers = false;
+    await pass(3);
+    expect(player.getSnapshot().isBlocked).toBe(false);
+  });
+
+  it('blames no network while a service starts', async () => {
+    await begin();
+    answers = false;
+    FakeSocket.last.drop();
+    await pass(20);
+    answers = true;
+    await pass(3);
+    FakeSocket.last.drop();
+    expect(player.getSnapshot().isBlocked).toBe(false);
+    await pass(1);
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', isBlocked: false });
   });
 });
 

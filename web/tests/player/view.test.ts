@@ -23,7 +23,7 @@ beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal('WebSocket', { OPEN: 1 });
   Object.assign(clock, { timeS: 0, isPlaying: false, speed: 1 });
-  link = new ViewLink('/ws/views/v', player, FakeSocket.create);
+  link = new ViewLink('/ws/views/v', player, { create: FakeSocket.create, answers: () => Promise.resolve(true) });
   FakeSocket.last.accept();
 });
 afterEach(() => {
@@ -55,4 +55,30 @@ it('stays together once a second while playing', () => {
 it('passes on the choice of the ghost', () => {
   link.setGhost({ ghost: true, warp: false });
   expect(commands().at(-1)).toMatchObject({ ghost: true, warp: false });
+});
+
+it('says how often it was connected to, so that the frame beside it begins anew', () => {
+  const state = { type: 'player_state', mode: 'replay', playing: false };
+  FakeSocket.last.say(state);
+  expect(link.getSnapshot()).toMatchObject({ status: 'open', connections: 1 });
+  FakeSocket.last.drop();
+  expect(link.getSnapshot()).toMatchObject({ status: 'lost', connections: 1 });
+  vi.advanceTimersByTime(600);
+  FakeSocket.last.accept();
+  FakeSocket.last.say(state);
+  expect(link.getSnapshot()).toMatchObject({ status: 'open', connections: 2, lostSinceS: null });
+});
+
+it('is lost when the pulse stops, although nothing closed', () => {
+  FakeSocket.last.say({ type: 'pulse' });
+  vi.advanceTimersByTime(2000);
+  FakeSocket.last.say({ type: 'pulse' });
+  expect(link.getSnapshot().status).toBe('open');
+  vi.advanceTimersByTime(3000);
+  expect(link.getSnapshot().status).toBe('lost');
+});
+
+it('takes the words of a service that does not know the view any more', () => {
+  FakeSocket.last.say({ type: 'error', code: 'not_found', message: 'There is no such view.', closing: true });
+  expect(link.getSnapshot()).toMatchObject({ status: 'refused', reason: 'There is no such view.' });
 });

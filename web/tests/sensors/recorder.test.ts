@@ -28,7 +28,7 @@ async function recorderOf(): Promise<{ recorder: Recorder; store: PacketStore }>
     network,
     store,
     ticket: service.ticket,
-    create: service.create,
+    create: () => service.create(),
     random: () => 0,
     onState: () => undefined,
   });
@@ -189,6 +189,27 @@ describe('a gateway in the browser', () => {
     const { store } = await recorderOf();
     expect(await store.sessions('a')).toHaveLength(1);
     expect(await store.sessions('somebody else')).toEqual([]);
+  });
+
+  it('tells a network that refuses the socket from one that is away', async () => {
+    const cut = () => {
+      const socket = { close: () => undefined, onclose: null as (() => void) | null };
+      setTimeout(() => socket.onclose?.());
+      return socket as unknown as WebSocket;
+    };
+    const { create } = service;
+    service.create = () => cut();
+    const { recorder, store } = await recorderOf();
+    await feed(recorder, 0, 60);
+    await vi.waitFor(() => expect(recorder.state.link).toMatchObject({ status: 'lost', isBlocked: true }));
+    expect(await store.count('s')).toBe(10);
+    service.isReachable = false;
+    await vi.waitFor(() => expect(recorder.state.link).toMatchObject({ status: 'lost', isBlocked: false }));
+    service.isReachable = true;
+    service.create = create;
+    await vi.waitFor(() => expect(recorder.state.link).toMatchObject({ status: 'open', isBlocked: false }));
+    expect(recorder.state.link.status).toBe('open');
+    await recorder.close();
   });
 
   it('stops when the service refuses', async () => {

@@ -81,6 +81,13 @@ def test_what_a_ticket_opened_ends_with_the_browser_session_that_asked_for_it(
                 assert (told["code"], told["closing"]) == ("sign_in_required", True)
 
 
+def test_a_session_without_a_gateway_has_a_pulse(therapist: Any, world: Any, stream: DeviceStream) -> None:
+    """Nothing else is said of it: without a pulse a page could not tell silence from a network that went away."""
+    session_id = new_session(therapist, world.patient_id, stream)
+    with therapist.websocket_connect(f"/ws/live/{session_id}") as page:
+        assert [page.receive_json()["type"] for _ in range(4)] == ["layout", "state", "pulse", "pulse"]
+
+
 def test_a_check_that_takes_its_time_holds_up_no_acknowledgement(
     therapist: Any, world: Any, stream: DeviceStream, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -54,6 +54,7 @@ const TROUBLES: readonly string[] = ['live.moved', 'live.sends_nothing', 'live.g
 
 const ICONS: Partial<Record<Moment, typeof IconRun>> = {
   lost: IconAntennaBarsOff,
+  blocked: IconAntennaBarsOff,
   silent: IconAntennaBarsOff,
   holding: IconHandStop,
   still: IconHandStop,
@@ -63,7 +64,7 @@ const ICONS: Partial<Record<Moment, typeof IconRun>> = {
   preparing: IconCheck,
   done: IconCheck,
 };
-const BAD: readonly Moment[] = ['lost', 'silent', 'refused', 'failed'];
+const BAD: readonly Moment[] = ['lost', 'blocked', 'silent', 'refused', 'failed'];
 const MOVING: readonly Moment[] = ['still', 'holding', 'again', 'wait', 'ready', 'going', 'silent', 'lost'];
 /** The pose was held: the picture says so by colour, word and tick. */
 const GREEN: readonly Moment[] = ['ready'];
@@ -164,10 +165,16 @@ function Unsteady({ guide }: { guide: CalibrationMessage | null }) {
 
 function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
   const client = useQueryClient();
-  const snapshot = useSnapshot(player);
+  const heard = useSnapshot(player);
+  // Where no socket gets through, HTTP tells the state.
+  const snapshot = heard.isBlocked ? { ...heard, state: null } : heard;
   const [shown, setShown] = useState<PlayerState | null>(null);
   const moment = momentOf(snapshot, session);
-  useSession(session.id, moment === 'preparing' ? ASK_MS : undefined);
+  useSession(session.id, moment === 'preparing' || moment === 'blocked' ? ASK_MS : undefined);
+  const isOpen = snapshot.connection === 'open';
+  useEffect(() => {
+    if (isOpen) void client.invalidateQueries({ queryKey: keys.session(session.id) });
+  }, [isOpen, client, session.id]);
   const { start, cancel, error } = useCalibrating(session.id);
   const records = isRecording(snapshot, session);
   useEffect(() => {
@@ -277,7 +284,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               {t('home.go')}
             </Button>
           )}
-          {records && !isDoing && (moment === 'going' || moment === 'silent') && (
+          {moment === 'blocked' && (
+            <p>{t('home.moment.blocked.state', { state: t(`sessionState.${session.state}`) })}</p>
+          )}
+          {records && !isDoing && (moment === 'going' || moment === 'silent' || moment === 'blocked') && (
             <Button
               size="xl"
               fullWidth

@@ -7,6 +7,7 @@ import type { LiveSnapshot } from '../../player/live';
 export type Moment =
   | 'refused'
   | 'lost'
+  | 'blocked'
   | 'silent'
   | 'putOn'
   | 'wait'
@@ -40,7 +41,7 @@ export function isRecording(snapshot: Pick<LiveSnapshot, 'state'>, session: Stor
 
 /** The one thing to say. */
 export function momentOf(
-  snapshot: Pick<LiveSnapshot, 'state' | 'connection' | 'silentSinceS' | 'calibration'>,
+  snapshot: Pick<LiveSnapshot, 'state' | 'connection' | 'silentSinceS' | 'calibration'> & { isBlocked?: boolean },
   session: Stored,
 ): Moment {
   const state = stateOf(snapshot, session);
@@ -48,7 +49,7 @@ export function momentOf(
   if (state === 'closing') return 'preparing';
   if (state === 'failed') return 'failed';
   if (snapshot.connection === 'refused') return 'refused';
-  if (snapshot.connection === 'lost') return 'lost';
+  if (snapshot.connection === 'lost') return snapshot.isBlocked ? 'blocked' : 'lost';
   if (state === 'created') return 'putOn';
   if (state === 'link_lost' || (snapshot.silentSinceS !== null && state !== 'calibrating')) return 'silent';
   if (state === 'recording') return 'going';

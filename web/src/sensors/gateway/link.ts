@@ -23,6 +23,8 @@ export interface LinkState {
   /** Sent again after a break or on request. */
   resent: number;
   connections: number;
+  /** The service answers over HTTP, and the network between refuses the socket. */
+  isBlocked: boolean;
 }
 
 /** What the ticket's request was refused with; no code where the service was not reached. */
@@ -65,6 +67,8 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
 /** The service acknowledges once a second; a link that says nothing for so long is broken. */
 const SILENT_MS = 6000;
+/** So many tickets in a row were given, and the socket that each was for heard no word. */
+const BLOCKED_AFTER = 3;
 const SEND_AGAIN_MS = 1000;
 const BATCH = 50;
 /** The browser holds what it has not sent yet in memory: more waits in the store. */
@@ -96,11 +100,14 @@ export class Link {
     sent: 0,
     resent: 0,
     connections: 0,
+    isBlocked: false,
   };
   #socket: WebSocket | null = null;
   /** Moves on with each connection and each loss: what an earlier turn still waited for comes to nothing. */
   #turn = 0;
   #isGreeted = false;
+  /** Connections in a row for which there was a ticket, and then no word. */
+  #mute = 0;
   #attempt = 0;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #watch: ReturnType<typeof setTimeout> | undefined;
@@ -174,7 +181,7 @@ export class Link {
   #lost(): void {
     this.#drop();
     if (this.#isDone) return;
-    this.#say({ status: 'lost' });
+    this.#say({ status: 'lost', isBlocked: this.#mute >= BLOCKED_AFTER });
     const waitMs = Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#attempt);
     this.#attempt += 1;
     clearTimeout(this.#timer);
@@ -202,10 +209,13 @@ export class Link {
     try {
       ticket = await this.#options.ticket();
     } catch (error) {
-      if (turn === this.#turn) this.#refused(error as Refusal);
+      if (turn !== this.#turn) return;
+      this.#mute = 0;
+      this.#refused(error as Refusal);
       return;
     }
     if (turn !== this.#turn) return;
+    this.#mute += 1;
     const { url, network } = this.#options;
     const socket = (this.#options.create ?? ((address) => new WebSocket(address)))(url);
     this.#socket = socket;
@@ -224,6 +234,7 @@ export class Link {
       socket.send(JSON.stringify(hello));
     };
     socket.onmessage = (event: MessageEvent<string>) => {
+      this.#mute = 0;
       this.#watched();
       const message = JSON.parse(event.data) as Acknowledge | Fault;
       if (message.type === 'acknowledge') void this.#acknowledged(message);
@@ -258,6 +269,7 @@ export class Link {
     this.#say({
       // The connection may have been lost while the store forgot.
       status: isOpen ? 'open' : this.#state.status,
+      isBlocked: false,
       acknowledged: Math.max(this.#state.acknowledged, message.acknowledged),
       highest: Math.max(this.#state.highest, message.highest),
       sessionState: message.state,

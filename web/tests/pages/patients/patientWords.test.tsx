@@ -23,6 +23,7 @@ class FakeSocket {
   static readonly OPEN = 1;
   static all: FakeSocket[] = [];
   readyState = 1;
+  isOpened = false;
   binaryType = '';
   onopen: (() => void) | null = null;
   onmessage: ((event: { data: string }) => void) | null = null;
@@ -38,7 +39,8 @@ class FakeSocket {
 function say(...messages: LiveMessage[]) {
   const socket = FakeSocket.all.findLast((one) => one.url.includes('/ws/live/'));
   act(() => {
-    socket?.onopen?.();
+    if (socket && !socket.isOpened) socket.onopen?.();
+    if (socket) socket.isOpened = true;
     for (const message of messages) socket?.onmessage?.({ data: JSON.stringify(message) });
   });
   return socket;

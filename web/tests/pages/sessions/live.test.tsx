@@ -55,6 +55,22 @@ it('says only what is known while the service is out of reach', () => {
   expect(later).toContain('Lost for 7 s');
 });
 
+it('names the network that refuses the socket, whom to ask, and what HTTP knows', () => {
+  renderPage(
+    <LiveBanners
+      snapshot={snapshot({ connection: 'lost', lostSinceS: AT_S, isBlocked: true })}
+      isLinkLost={false}
+      told={{ state: 'recording', packets_stored: 1234 }}
+    />,
+    { answers: {} },
+  );
+  const words = screen.getByRole('alert').textContent;
+  expect(words).toContain('Live connection lost since 12:03:00');
+  expect(words).toContain('This network does not let the live connection (WebSocket) through. Ask whoever runs');
+  expect(words).toContain('Recording, 1,234 packets stored');
+  expect(words).not.toContain('does not know whether');
+});
+
 it('counts the silence of the sensors, with one banner whoever notices first', () => {
   const [first, later] = banner({ silentSinceS: AT_S }, 3, true);
   expect(first).toContain('No data from the sensors since 12:03:00');

@@ -46,6 +46,10 @@ export const home: Translated<typeof english> = {
   'home.moment.lost': 'Keine Verbindung',
   'home.moment.lost.text':
     'Diese Seite erreicht Ihre Praxis nicht und weiß nicht, ob Ihre Übung gespeichert wird. Sie versucht es von selbst weiter.',
+  'home.moment.blocked': 'Hier ist kein Live-Bild möglich',
+  'home.moment.blocked.text':
+    'Dieses Netzwerk lässt die Live-Verbindung zu Ihrer Praxis nicht durch. Nutzen Sie ein anderes Netzwerk, zum Beispiel mobile Daten, oder wenden Sie sich an die Netzwerkbetreuung.',
+  'home.moment.blocked.state': 'Ihre Praxis meldet: {state}.',
   'home.moment.refused': 'Diese Übung kann hier nicht angezeigt werden',
   'home.moment.refused.text': 'Laden Sie die Seite neu. Wenn das nicht hilft, fragen Sie in Ihrer Praxis nach.',
   'home.moment.hurt': 'Danke, dass Sie aufgehört haben',

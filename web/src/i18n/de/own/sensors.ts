@@ -44,6 +44,8 @@ export const sensors: Translated<typeof english> = {
   'sensors.link.behind': 'Es wird gemessen. Auf diesem Gerät gespeichert und gerade beim Senden: {seconds}.',
   'sensors.link.lost':
     'Keine Verbindung. Ihre Bewegung wird auf diesem Gerät gespeichert und später gesendet. Machen Sie mit Ihrer Übung weiter.',
+  'sensors.link.blocked':
+    'Dieses Netzwerk lässt die Verbindung zu Ihrer Praxis nicht durch. Ihre Bewegung wird auf diesem Gerät gespeichert und später gesendet. Nutzen Sie ein anderes Netzwerk, zum Beispiel mobile Daten, oder wenden Sie sich an die Netzwerkbetreuung.',
   'sensors.link.refused': 'Ihre Praxis nimmt die Bewegung nicht an.',
   'sensors.link.ended': 'Die Übung ist zu Ende. Es wird nichts mehr gemessen.',
   'sensors.stored': 'Auf diesem Gerät, noch nicht gesendet: {seconds}',

@@ -125,6 +125,11 @@ export const session: Translated<typeof english> = {
   'live.viewLostText': 'Diese Seite weiß nicht, ob die Sitzung gespeichert wird.',
   'live.retrying': 'Diese Seite verbindet sich von selbst wieder.',
   'live.lostFor': 'Verloren seit',
+  'live.blockedTitle': 'Live-Verbindung verloren seit {time}',
+  'live.blocked':
+    'Dieses Netzwerk lässt die Live-Verbindung (WebSocket) nicht durch. Bitten Sie die Netzwerkbetreuung, sie für {host} zu erlauben.',
+  'live.blockedState': 'Der Dienst antwortet trotzdem. Er meldet: {state}, {count} Pakete gespeichert.',
+  'live.blockedText': 'Figur, Kurven und Sensoren erscheinen hier erst, wenn die Verbindung durchgelassen wird.',
   'live.viewRefused': 'Diese Seite kann die Sitzung nicht zeigen',
   'live.linkLost': 'Keine Daten von den Sensoren seit {time}',
   'live.noData': 'Keine Daten von den Sensoren',
@@ -188,6 +193,8 @@ export const session: Translated<typeof english> = {
   'viewer.replayTitle': '3D-Ansicht der übenden Person und der Vorlage',
   'viewer.failed': 'Die 3D-Ansicht konnte nicht geöffnet werden',
   'viewer.lost': 'Die 3D-Ansicht hat die Verbindung verloren und wird neu geöffnet.',
+  'viewer.blocked':
+    'Dieses Netzwerk lässt die Live-Verbindung (WebSocket) der 3D-Ansicht nicht durch. Wenden Sie sich an die Netzwerkbetreuung.',
   'viewer.ended': 'Die 3D-Ansicht wurde vom Dienst geschlossen.',
   'viewer.reopen': 'Wieder öffnen',
   'camera.title': 'Kamera',

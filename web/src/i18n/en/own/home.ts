@@ -42,6 +42,10 @@ export const home = {
   'home.moment.lost': 'No connection',
   'home.moment.lost.text':
     'This page cannot reach your clinic and does not know whether your exercise is being stored. It tries again by itself.',
+  'home.moment.blocked': 'No live picture here',
+  'home.moment.blocked.text':
+    'This network does not let the live connection to your clinic through. Use another network, such as mobile data, or ask whoever runs this one.',
+  'home.moment.blocked.state': 'Your clinic says: {state}.',
   'home.moment.refused': 'This exercise cannot be shown here',
   'home.moment.refused.text': 'Reload the page. If that does not help, ask your therapist.',
   'home.moment.hurt': 'Thank you for stopping',

@@ -36,6 +36,8 @@ export const sensors = {
   'sensors.link.behind': 'Measuring. {seconds} are stored on this device and are being sent.',
   'sensors.link.lost':
     'No connection. Your movement is stored on this device and will be sent later. Go on with your exercise.',
+  'sensors.link.blocked':
+    'This network does not let the connection to your clinic through. Your movement is stored on this device and will be sent later. Use another network, such as mobile data, or ask whoever runs this one.',
   'sensors.link.refused': 'Your clinic does not take the movement.',
   'sensors.link.ended': 'The exercise has ended. Nothing is measured any more.',
   'sensors.stored': 'On this device, not yet sent: {seconds}',

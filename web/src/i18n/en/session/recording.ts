@@ -121,6 +121,11 @@ export const session = {
   'live.viewLostText': 'This page does not know whether the session is being stored.',
   'live.retrying': 'This page reconnects automatically.',
   'live.lostFor': 'Lost for',
+  'live.blockedTitle': 'Live connection lost since {time}',
+  'live.blocked':
+    'This network does not let the live connection (WebSocket) through. Ask whoever runs the network to allow it for {host}.',
+  'live.blockedState': 'The service answers all the same. It says: {state}, {count} packets stored.',
+  'live.blockedText': 'The figure, the curves and the sensors are not shown here until the connection is let through.',
   'live.viewRefused': 'This page cannot show the session',
   'live.linkLost': 'No data from the sensors since {time}',
   'live.noData': 'No data from the sensors',
@@ -183,6 +188,8 @@ export const session = {
   'viewer.replayTitle': '3D view of the patient and the template',
   'viewer.failed': 'The 3D view could not be opened',
   'viewer.lost': 'The 3D view lost its connection and is being opened again.',
+  'viewer.blocked':
+    'This network does not let the live connection (WebSocket) of the 3D view through. Ask whoever runs the network.',
   'viewer.ended': 'The 3D view was closed by the service.',
   'viewer.reopen': 'Open again',
   'camera.title': 'Camera',

@@ -2,7 +2,8 @@
 import { IconPlugConnectedX } from '@tabler/icons-react';
 import { useEffect, useState, type ReactNode } from 'react';
 import { t } from '../../../i18n';
-import { clockTimeS, duration } from '../../../lib/format';
+import type { SessionDetail } from '../../../api/types';
+import { clockTimeS, duration, number } from '../../../lib/format';
 import type { LiveSnapshot } from '../../../player/live';
 
 /** The wall clock in s, brought up to date once a second while somebody needs it. */
@@ -38,8 +39,36 @@ function Lasting({ sinceS, nowS }: { sinceS: number; nowS: number }) {
   );
 }
 
+/** What is known of a session that only HTTP tells of. */
+type Told = Pick<SessionDetail, 'state' | 'packets_stored'>;
+
+/** The cause, whom to ask, and what the service says all the same. */
+function Blocked({ told }: { told: Told | undefined }) {
+  return (
+    <>
+      <p>{t('live.blocked', { host: window.location.host })}</p>
+      {told && (
+        <p>
+          {t('live.blockedState', {
+            state: t(`sessionState.${told.state}`),
+            count: number(told.packets_stored),
+          })}
+        </p>
+      )}
+      <p>{t('live.blockedText')}</p>
+    </>
+  );
+}
+
+interface LiveBannersProps {
+  snapshot: LiveSnapshot;
+  isLinkLost: boolean;
+  /** The session as HTTP tells of it, asked for again while no socket gets through. */
+  told?: Told;
+}
+
 /** One banner at most: out of reach, or silent sensors. */
-export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; isLinkLost: boolean }) {
+export function LiveBanners({ snapshot, isLinkLost, told }: LiveBannersProps) {
   const { connection, lostSinceS, silentSinceS, state } = snapshot;
   const isLost = connection === 'lost' && lostSinceS !== null;
   const isSilent =
@@ -57,8 +86,8 @@ export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; 
   }
   if (isLost) {
     return (
-      <Banner title={t('live.viewLost', { time: clockTimeS(lostSinceS) })}>
-        <p>{t('live.viewLostText')}</p>
+      <Banner title={t(snapshot.isBlocked ? 'live.blockedTitle' : 'live.viewLost', { time: clockTimeS(lostSinceS) })}>
+        {snapshot.isBlocked ? <Blocked told={told} /> : <p>{t('live.viewLostText')}</p>}
         <p>{t('live.retrying')}</p>
         <p>
           {t('live.lostFor')} <Lasting sinceS={lostSinceS} nowS={nowS} />

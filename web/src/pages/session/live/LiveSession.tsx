@@ -32,6 +32,8 @@ import { NotStored } from './NotStored';
 import { StateSteps, stepOf } from './StateSteps';
 
 const LIVE = { mode: 'live' } as const;
+/** How often HTTP is asked where no socket gets through. */
+const ASK_MS = 3000;
 
 function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
   const service = snapshot.health?.latency_ms_median ?? null;
@@ -78,9 +80,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const me = useSignedIn();
   const mayRecord = session.may_treat || me.role === 'patient';
   const snapshot = useSnapshot(player);
+  const { isBlocked } = snapshot;
+  // Where no socket gets through, HTTP tells the state.
+  useSession(session.id, isBlocked ? ASK_MS : undefined);
   const exercises = useExercises();
   const exercise = exercises.data?.find((one) => one.id === session.exercise_id);
-  const message = snapshot.state;
+  const message = isBlocked ? null : snapshot.state;
   const state: SessionState = message?.state ?? session.state;
   const step = useRef(0);
   // The socket's word counts once there is one: its start is null again when the recording was stopped.
@@ -99,6 +104,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     if (state === 'closing' || state === 'analysed')
       void client.invalidateQueries({ queryKey: keys.session(session.id) });
   }, [state, client, session.id]);
+
+  // After a loss what was read before may be of before.
+  const isOpen = snapshot.connection === 'open';
+  useEffect(() => {
+    if (isOpen) void client.invalidateQueries({ queryKey: keys.session(session.id) });
+  }, [isOpen, client, session.id]);
 
   const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
   // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
@@ -126,7 +137,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <StateSteps step={step.current} />
         {!isOver && <Delay snapshot={snapshot} />}
       </div>
-      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
+      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} told={session} />}
       {snapshot.connection === 'open' && !isOver && <NotStored health={snapshot.health} />}
       {state === 'created' && message?.reason && (
         <div className="banner banner-note" role="status">
