@@ -8,8 +8,8 @@ from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
 from app.kinds.walk.compared import foot_curves
 from app.kinds.walk.history import compare, walks_of
-from app.kinds.walk.schemas import ConditionsIn, ConditionsOut, FootCurvesOut, GaitOut, WalkRow
-from app.kinds.walk.stored import gait
+from app.kinds.walk.schemas import ConditionsIn, ConditionsOut, FootCurvesOut, FootStride, GaitOut, WalkRow
+from app.kinds.walk.stored import gait, strides_page
 from app.pages import WantedPage
 
 _MOST_POINTS: Final = 20_000
@@ -22,8 +22,23 @@ router = APIRouter(prefix="/api", tags=["walks"])
 def get_gait(
     session_id: str, session: ReadSession, subject: CurrentSubject, result_id: str | None = None
 ) -> GaitOut:
-    """Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry."""
+    """Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry.
+
+    Of a walk with more than 200 strides of a foot these are the first; `/gait/strides` has all of them.
+    """
     return gait(session, subject, session_id, result_id)
+
+
+@router.get("/sessions/{session_id}/gait/strides")
+def list_strides(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    page: WantedPage,
+    result_id: str | None = None,
+) -> list[FootStride]:
+    """Return the strides of both feet of a walk in the order of time."""
+    return strides_page(session, subject, session_id, result_id, page)
 
 
 @router.get("/sessions/{session_id}/gait/curves")

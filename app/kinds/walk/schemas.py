@@ -77,6 +77,12 @@ class StrideOut(Schema):
     """Bits of `estimators.gait.StrideFlag`, why it is in no mean; None of walks stored before this was recorded."""
 
 
+class FootStride(StrideOut):
+    """One stride in the list of both feet's, in the order of their contacts."""
+
+    side: Literal["left", "right"]
+
+
 class CycleCurve(Schema):
     """One quantity over the gait cycle, from a contact of the foot (0 %) to its next (100 %)."""
 
@@ -97,8 +103,13 @@ class FootOut(Schema):
     footholds: list[FootholdOut]
     """One more than strides."""
     strides: list[StrideOut]
+    """Of a long walk the first ones; all of them come in pages, see `FootStride`."""
+    stride_count: int = 0
+    """Of the whole walk."""
+    counted_count: int = 0
+    """Of them steady and straight."""
     path_m: list[list[float]]
-    """x and y of the sensor, 20 a second."""
+    """x and y of the sensor, 20 a second; of a long walk less."""
     curves: list[CycleCurve]
     turning: list[WalkMeasure] = Field(default_factory=list)
     """Of strides along turns alone; empty where there were none, and of walks stored before this was recorded."""
@@ -222,7 +233,7 @@ class ConditionsOut(Schema):
 
 
 class GaitOut(WalkContent):
-    """The walk of a result."""
+    """The walk of a result: of a long one the first strides, footholds and seconds of balance."""
 
     session_id: str
     result: ResultOut
@@ -255,6 +266,7 @@ __all__ = [
     "FootCurve",
     "FootCurvesOut",
     "FootOut",
+    "FootStride",
     "FootholdOut",
     "GaitOut",
     "MeasureChange",

@@ -19,15 +19,18 @@ from app.exercises.models import Exercise
 from app.kinds.walk.balance import balance_of
 from app.kinds.walk.curves import cycle_curves, force_curves, peak_measures
 from app.kinds.walk.followed import followed_of
+from app.kinds.walk.paging import beginning, page_of, thinned
 from app.kinds.walk.schemas import (
     FootholdOut,
     FootOut,
+    FootStride,
     GaitOut,
     StrideOut,
     WalkContent,
     WalkMeasure,
     WalkTestOut,
 )
+from app.pages import Page
 from app.recordings import repository, service
 from app.recordings.models import WALK_STREAM, Result, SignalChunk
 from app.recordings.signals.chunks import EncodedChunk
@@ -123,7 +126,7 @@ def content_of(
                 measures=_measures(measures),
                 footholds=_footholds(strides, time_s, place, turn),
                 strides=[_stride(strides, k, bool(counted[k])) for k in range(strides.count)],
-                path_m=[[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]],
+                path_m=thinned([[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]]),
                 curves=curves,
                 turning=_measures(
                     {name: one for name, one in walk.summary.turning.get(side, {}).items() if one.count}
@@ -163,7 +166,7 @@ def store_walk(session: Session, session_id: str, result_id: str, content: WalkC
 
 
 def gait(session: Session, subject: Subject, session_id: str, result_id: str | None) -> GaitOut:
-    """Return the walk of a result, by default of the main one.
+    """Return the walk of a result, by default of the main one; of a long walk its beginning, see `beginning`.
 
     Raises
     ------
@@ -172,8 +175,29 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
     Conflict
         The session holds no walk, or it is not analysed yet.
     """
+    result, content = _read(session, subject, session_id, result_id, "session.gait")
+    shown = beginning(content)
+    return GaitOut(session_id=session_id, result=service.result_out(result), **dict(shown))
+
+
+def strides_page(
+    session: Session, subject: Subject, session_id: str, result_id: str | None, page: Page
+) -> list[FootStride]:
+    """Return a page of the strides of a walk, both feet's in the order of time.
+
+    Raises
+    ------
+    NotFound, Conflict
+        As `gait`.
+    """
+    return page_of(_read(session, subject, session_id, result_id, "session.gait")[1], page)
+
+
+def _read(
+    session: Session, subject: Subject, session_id: str, result_id: str | None, action: str
+) -> tuple[Result, WalkContent]:
     found = repository.get_session(
-        session, subject, session_id, action="session.gait", details={"result": result_id or "main"}
+        session, subject, session_id, action=action, details={"result": result_id or "main"}
     )
     if result_id is None and found.setup["pipeline"] == RelativePosePipeline.name:
         # A source on one shoe: the walk is beside the main result.
@@ -191,8 +215,7 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
         raise Conflict(say("walk.no_strides"))
     if checksum(row.data) != row.crc:
         raise DamagedChunkError(say("stored.checksum"))
-    content = WalkContent.model_validate_json(zlib.decompress(row.data))
-    return GaitOut(session_id=session_id, result=service.result_out(result), **content.model_dump())
+    return result, WalkContent.model_validate_json(zlib.decompress(row.data))
 
 
 def walk_stream(result_id: str) -> str:
@@ -290,5 +313,6 @@ __all__ = [
     "guided_kind_of",
     "recording_of",
     "store_walk",
+    "strides_page",
     "walk_stream",
 ]

@@ -288,6 +288,7 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/sessions/{session_id}/balance", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/gait", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/gait/curves", READ, status=409),
+    patient("GET", "/api/sessions/{session_id}/gait/strides", READ, status=409),
     patient("GET", "/api/patients/{patient_id}/walks", READ),
     # The same session twice: who may read Ada learns that.
     patient(

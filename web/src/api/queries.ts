@@ -514,6 +514,13 @@ export const useGait = (id: string | null) =>
     enabled: id !== null && id !== '',
     staleTime: 60_000,
   });
+/** The strides of a walk that is too long for one answer. */
+export const useStrides = (id: string, resultId: string, enabled: boolean) =>
+  usePages<Wire.FootStride>(
+    [...keys.gait(id), 'strides', resultId],
+    withQuery(`/api/sessions/${id}/gait/strides`, { result_id: resultId, limit: 100 }),
+    { enabled },
+  );
 export const useFootCurves = (id: string, resultId: string) =>
   useGet<Wire.FootCurves>(
     [...keys.gait(id), 'curves', resultId],

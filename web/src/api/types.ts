@@ -143,6 +143,7 @@ export type Gait = Schemas['GaitOut'];
 export type FootCurves = Schemas['FootCurvesOut'];
 export type GaitFoot = Schemas['FootOut'];
 export type Stride = Schemas['StrideOut'];
+export type FootStride = Schemas['FootStride'];
 export type CycleCurve = Schemas['CycleCurve'];
 export type WalkMeasure = Schemas['WalkMeasure'];
 export type WalkTest = Schemas['WalkTestOut'];

@@ -4,7 +4,7 @@ import { LegendStroke } from './Legend';
 import type { Gait } from '../api/types';
 import { t } from '../i18n';
 import { number } from '../lib/format';
-import { floorPath, mapFrame } from '../kinds/walk/gait';
+import { floorPath, isOutsideHold, mapFrame } from '../kinds/walk/gait';
 
 /** Outline of a left shoe in metres, seen from above: sensor at the heel, x to the toes, y to the left. */
 const SHOE =
@@ -93,6 +93,7 @@ export function FootprintMap({ gait, parts, selected }: FootprintMapProps) {
                   transform={`translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${(-heading).toFixed(1)})`}
                   className={`print print-${foot.side}`}
                   data-selected={isSelected || undefined}
+                  data-outside={isOutsideHold(foot, index) || undefined}
                 >
                   <g transform={`scale(${scale} ${isLeft ? -scale : scale})`}>
                     <path d={SHOE} vectorEffect="non-scaling-stroke" />

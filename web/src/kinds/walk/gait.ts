@@ -1,5 +1,5 @@
 // A walk as its page shows it: measures in words and units, rows of the tables, the frame of the map.
-import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../../api/types';
+import type { Gait, GaitFoot, MeasureChange, Stride, WalkMeasure } from '../../api/types';
 import measures from '../../api/measures.json';
 import { tOr } from '../../i18n';
 import { number, pair, quantity, uncertain } from '../../lib/format';
@@ -31,6 +31,25 @@ export function measureText(value: number | null | undefined, unit: string, sigm
 export function footOf(gait: Gait, side: 'left' | 'right'): GaitFoot | undefined {
   return gait.feet.find((one) => one.side === side);
 }
+
+/** `StrideFlag.OUTSIDE`: before Record was pressed or after Stop. */
+const OUTSIDE = 16;
+
+export const isOutside = (stride: Stride | undefined): boolean => ((stride?.flags ?? 0) & OUTSIDE) !== 0;
+
+/** Whether a place where a foot stood is only of strides before Record or after Stop. */
+export function isOutsideHold(foot: GaitFoot, index: number): boolean {
+  const beside = [foot.strides[index - 1], foot.strides[index]].filter((one) => one !== undefined);
+  return beside.length > 0 && beside.every(isOutside);
+}
+
+/** Strides of both feet in the whole walk. */
+export const strideCount = (gait: Gait): number =>
+  gait.feet.reduce((sum, foot) => sum + (foot.stride_count || foot.strides.length), 0);
+
+/** Whether the answer has all strides; a walk of hours comes with its first ones. */
+export const isWhole = (gait: Gait): boolean =>
+  gait.feet.every((foot) => (foot.stride_count ?? 0) <= foot.strides.length);
 
 export function findMeasure(measures: readonly WalkMeasure[] | undefined, name: string): WalkMeasure | undefined {
   return measures?.find((one) => one.measure === name);

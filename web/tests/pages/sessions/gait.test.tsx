@@ -140,6 +140,44 @@ const ANSWERS = {
 };
 
 describe('the page of a walk', () => {
+  it('shows a walk of hours by its beginning, with its strides in pages', async () => {
+    const long: Gait = {
+      ...WALK,
+      feet: WALK.feet.map((one) => ({ ...one, stride_count: 3560, counted_count: 3500 })),
+    };
+    renderPage(<GaitPage />, {
+      at: '/sessions/s/gait',
+      path: '/sessions/:sessionId/gait',
+      answers: {
+        ...ANSWERS,
+        '/api/sessions/s/gait': long,
+        '/api/sessions/s/gait/strides?result_id=r&limit=100': [{ ...stride(7, 7), side: 'left' }],
+      },
+    });
+    expect(await screen.findByText('1 of 7,120')).toBeTruthy();
+    expect(screen.getByText('The first 2 strides of each foot are drawn.')).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Left foot, stride 7: show in the map' })).toBeTruthy();
+  });
+
+  it('shows the way to the line pale, and says that it does not count', async () => {
+    const line: Gait = {
+      ...WALK,
+      feet: WALK.feet.map((one) => ({
+        ...one,
+        strides: one.strides.map((each, k) => (k === 0 ? { ...each, is_counted: false, flags: 16 } : each)),
+      })),
+    };
+    const view = renderPage(<GaitPage />, {
+      at: '/sessions/s/gait',
+      path: '/sessions/:sessionId/gait',
+      answers: { ...ANSWERS, '/api/sessions/s/gait': line },
+    });
+    expect(await screen.findAllByText('not recorded')).toHaveLength(2);
+    // The first foothold of each foot is of that stride only; the second one begins the next.
+    expect(view.container.querySelectorAll('.print[data-outside]')).toHaveLength(2);
+    expect(screen.getByText(/^Pale footprints: before Record was pressed/)).toBeTruthy();
+  });
+
   it('shows result, footprints, left beside right and every stride, and marks the stride that is chosen', async () => {
     const user = userEvent.setup();
     const view = renderPage(<GaitPage />, {

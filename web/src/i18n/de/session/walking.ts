@@ -49,6 +49,8 @@ export const walking: Translated<typeof english> = {
   'map.leftFoot': 'Linker Fuß, gefüllt',
   'map.rightFoot': 'Rechter Fuß, umrandet',
   'map.scale': '1 m',
+  'map.beginning': 'Gezeichnet sind die ersten {count} Doppelschritte jedes Fußes.',
+  'map.outside': 'Blasse Fußabdrücke: vor dem Beginn oder nach dem Ende der Aufzeichnung. Sie zählen nirgends.',
   'map.drawnApart': 'Der seitliche Abstand der Füße wurde nicht gemessen; sie sind 15 cm auseinander gezeichnet.',
   'map.apart.measured': 'Abstand der Füße am Anfang: {width} (gemessen).',
   'map.apart.forces': 'Abstand der Füße am Anfang: {width} (aus den Kräften geschätzt).',
@@ -153,6 +155,8 @@ export const walking: Translated<typeof english> = {
   'strides.first': 'erster',
   'strides.last': 'letzter',
   'strides.turning': 'Wendung',
+  'strides.outside': 'nicht aufgezeichnet',
+  'strides.shown': '{shown} von {count}',
   'strides.select': 'Fuß {side}, Doppelschritt {number}: auf der Karte zeigen',
 
   'before.choose': 'Mit einem anderen Gang vergleichen',

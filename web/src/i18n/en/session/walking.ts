@@ -46,6 +46,8 @@ export const walking = {
   'map.leftFoot': 'Left foot, filled',
   'map.rightFoot': 'Right foot, outlined',
   'map.scale': '1 m',
+  'map.beginning': 'The first {count} strides of each foot are drawn.',
+  'map.outside': 'Pale footprints: before Record was pressed or after Stop. They count nowhere.',
   'map.drawnApart': 'The sideways distance between the feet was not measured; they are drawn 15 cm apart.',
   'map.apart.measured': 'Distance between the feet at the start: {width} (measured).',
   'map.apart.forces': 'Distance between the feet at the start: {width} (estimated from the forces).',
@@ -150,6 +152,8 @@ export const walking = {
   'strides.first': 'first',
   'strides.last': 'last',
   'strides.turning': 'turning',
+  'strides.outside': 'not recorded',
+  'strides.shown': '{shown} of {count}',
   'strides.select': '{side} foot, stride {number}: show in the map',
 
   'before.choose': 'Compare with another walk',

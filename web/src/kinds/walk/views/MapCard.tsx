@@ -5,7 +5,7 @@ import type { Gait } from '../../../api/types';
 import { FootprintMap, MapLegend, type MapParts } from '../../../charts/FootprintMap';
 import { t } from '../../../i18n';
 import { number, quantity } from '../../../lib/format';
-import { leaning } from '../gait';
+import { isOutside, isWhole, leaning } from '../gait';
 import type { ChosenStride } from './StrideTable';
 
 const LEANS = [
@@ -37,6 +37,12 @@ export function MapCard({ gait, selected }: { gait: Gait; selected: ChosenStride
       </div>
       <FootprintMap gait={gait} parts={parts} selected={selected} />
       <MapLegend hasBalance={balance !== null} />
+      {!isWhole(gait) && (
+        <p className="muted small">
+          {t('map.beginning', { count: Math.max(...gait.feet.map((foot) => foot.strides.length)) })}
+        </p>
+      )}
+      {gait.feet.some((foot) => foot.strides.some(isOutside)) && <p className="muted small">{t('map.outside')}</p>}
       {balance && (
         <>
           <p className="strong">{t('balance.where')}</p>

@@ -1,10 +1,13 @@
 // Every stride of both feet in the order of time; choosing one marks its footprints in the map.
 import { Button } from '@mantine/core';
 import { useMemo } from 'react';
+import { useStrides } from '../../../api/queries';
 import type { Gait, Stride } from '../../../api/types';
+import { Problem, ShowMore } from '../../../components/Feedback';
 import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
-import { measureText } from '../gait';
+import { number } from '../../../lib/format';
+import { isOutside, isWhole, measureText, strideCount } from '../gait';
 
 export interface ChosenStride {
   side: 'left' | 'right';
@@ -26,6 +29,7 @@ const COLUMNS = [
 
 function counts(stride: Stride): string {
   if (stride.is_counted) return t('strides.yes');
+  if (isOutside(stride)) return t('strides.outside');
   if (stride.is_initiation) return t('strides.first');
   if (stride.is_termination) return t('strides.last');
   return Math.abs(stride.turn_rad ?? 0) > TURNING_RAD ? t('strides.turning') : '–';
@@ -40,18 +44,28 @@ export function StrideTable({
   selected: ChosenStride | null;
   onSelect: (stride: ChosenStride | null) => void;
 }) {
+  const whole = isWhole(gait);
+  const pages = useStrides(gait.session_id, gait.result.id, !whole);
   const rows = useMemo(
     () =>
-      gait.feet
-        .flatMap((foot) => foot.strides.map((stride) => ({ side: foot.side, stride })))
-        .sort((a, b) => (a.stride.contact_s ?? 0) - (b.stride.contact_s ?? 0)),
-    [gait],
+      whole
+        ? gait.feet
+            .flatMap((foot) => foot.strides.map((stride) => ({ side: foot.side, stride })))
+            .sort((a, b) => (a.stride.contact_s ?? 0) - (b.stride.contact_s ?? 0))
+        : (pages.data ?? []).map((stride) => ({ side: stride.side, stride })),
+    [gait, whole, pages.data],
   );
   return (
     <section className="card" aria-labelledby="strides">
       <div className="card-head">
         <h2 id="strides">{t('strides.title')}</h2>
+        {!whole && (
+          <span className="muted end">
+            {t('strides.shown', { shown: number(rows.length), count: number(strideCount(gait)) })}
+          </span>
+        )}
       </div>
+      {!whole && rows.length === 0 && pages.error && <Problem error={pages.error} />}
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
       <div className="table-scroll stride-scroll" role="group" aria-labelledby="strides" tabIndex={0}>
         <table className="plain-table stacked-table stride-table">
@@ -98,6 +112,7 @@ export function StrideTable({
             })}
           </tbody>
         </table>
+        {!whole && <ShowMore of={pages} />}
       </div>
     </section>
   );

@@ -18,7 +18,7 @@ import { BASELINE } from '../../../lib/assessment/baseline';
 import { placementLabel } from '../../../lib/channels';
 import { dateTime, number, quantity, withUnit } from '../../../lib/format';
 import { estimatorTitle } from '../../../lib/sessions';
-import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
+import { findMeasure, footOf, measureLabel, measureNames, measureText, strideCount } from '../gait';
 import { CurvesSheet } from '../../../pages/report/CurvesSheet';
 import { Sheet } from '../../../pages/report/Sheet';
 import { verdict, verdictText } from '../../../pages/report/SummarySheet';
@@ -223,7 +223,10 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
   const estimators = useEstimators();
   const { balance, result } = gait;
   const all = session.packets_stored + session.packets_missing;
-  const strides = gait.feet.flatMap((foot) => foot.strides);
+  const counted = gait.feet.reduce(
+    (sum, foot) => sum + (foot.counted_count || foot.strides.filter((one) => one.is_counted).length),
+    0,
+  );
   const count = (kind: string) => session.events.filter((event) => event.kind === kind).length;
   const title = estimatorTitle(result, estimators.data ?? []);
   const apart = balance
@@ -255,10 +258,7 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
           })
         : t('details.uploaded'),
     ],
-    [
-      t('walkReport.counted'),
-      t('walkReport.countedText', { counted: strides.filter((one) => one.is_counted).length, all: strides.length }),
-    ],
+    [t('walkReport.counted'), t('walkReport.countedText', { counted, all: strideCount(gait) })],
   ];
   return (
     <Sheet title={t('report.method')} number={page} session={session} patient={patient}>
