@@ -237,7 +237,7 @@ export const patient: Translated<typeof english> = {
   'prescription.saveChange': 'Änderung speichern',
   'prescription.changed': 'Geändert am {date} von {name}. Vorher: {before}.',
   'prescription.otherTemplate': 'eine andere Vorlage',
-  'prescription.history': { one: 'Einmal geändert', other: '{count}-mal geändert' },
+  'prescription.history': { one: 'Einmal geändert', other: '{count} Mal geändert' },
   'prescription.end': 'Beenden',
   'prescription.endTitle': '{name} beenden?',
   'prescription.endText':
