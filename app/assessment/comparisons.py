@@ -18,7 +18,7 @@ from app.assessment.design.compiled import (
 from app.assessment.design.counted import counted_live
 from app.assessment.design.weighted import weighted_sum
 from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
-from app.assessment.practised import Practised, practised
+from app.assessment.practised import Practised, practised_or_why
 from app.assessment.presentation import (
     phase_curves_out,
     phases_out,
@@ -52,7 +52,7 @@ from estimators.errors import ComparisonError, EstimationError
 
 logger = logging.getLogger(__name__)
 
-VERSION = "6"
+VERSION = "7"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
 
 
@@ -99,7 +99,7 @@ def compare_task(context: JobContext) -> str:
     """
     close = bool(context.arguments.get("close"))
     work: _Work | None = None
-    message = ""
+    message = refused = ""
     with read_only(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         of_whom = _of_whom(found)
@@ -122,8 +122,9 @@ def compare_task(context: JobContext) -> str:
                 # A session that cannot be compared is still analysed: the movement can be seen.
                 if not close:
                     raise
-                message = say("comparison.not_compared", reason=error.message)
-        counts = _counted(session, found, work) if close and found.purpose == "exercise" else None
+                message, refused = say("comparison.not_compared", reason=error.message), error.message
+        is_practice = close and found.purpose == "exercise"
+        counts, reason = _counted(session, found, work, refused) if is_practice else (None, "")
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         if _of_whom(found) != of_whom:
@@ -131,6 +132,8 @@ def compare_task(context: JobContext) -> str:
             return say("comparison.no_template")
         if counts is not None:
             found.valid_repetitions, found.active_s = counts
+            if reason:
+                _say_not_practised(session, found, reason)
         if work is not None:
             _store(session, context.subject, found, work)
             accepted = sum(1 for r in work.result.repetitions if r.repetition.is_kept)
@@ -145,17 +148,26 @@ def _of_whom(found: MotionSession) -> tuple[str | None, ...]:
     return found.patient_id, found.exercise_id, found.prescription_id
 
 
-def _counted(session: Session, found: MotionSession, work: _Work | None) -> Practised | None:
+def _counted(
+    session: Session, found: MotionSession, work: _Work | None, refused: str
+) -> tuple[Practised | None, str]:
     """Measure what was valid; None where the session is too long to be looked at whole.
 
     It is analysed nevertheless, and counts as one that recorded something: counting is no reason to fail.
     """
     repetitions = None if work is None else [one.repetition for one in work.result.repetitions]
     try:
-        return practised(session, found, repetitions)
+        return practised_or_why(session, found, repetitions, refused)
     except MemoryError:
         logger.warning("session %s is too long to count what was practised", found.id)
-        return None
+        return None, ""
+
+
+def _say_not_practised(session: Session, found: MotionSession, reason: str) -> None:
+    """Say on the time line why a session does not count."""
+    text = say("comparison.not_practised", reason=reason)
+    start_s = found.recording_start_s or 0.0
+    session.add(SessionEvent(session_id=found.id, kind="not_practised", time_s=start_s, text=text))
 
 
 def _conclude(session: Session, found: MotionSession, reason: str) -> None:

@@ -45,6 +45,16 @@ NOTHING: Final = Practised(0, 0.0)
 def practised(
     session: Session, found: MotionSession, repetitions: Iterable[Repetition] | None = None
 ) -> Practised:
+    """Measure what was valid in an analysed session; see `practised_or_why`."""
+    return practised_or_why(session, found, repetitions)[0]
+
+
+def practised_or_why(
+    session: Session,
+    found: MotionSession,
+    repetitions: Iterable[Repetition] | None = None,
+    refused: str = "",
+) -> tuple[Practised, str]:
     """Measure what was valid in an analysed session, in its main result.
 
     Parameters
@@ -53,6 +63,15 @@ def practised(
     found : MotionSession
     repetitions : iterable of Repetition, optional
         Judged, where a comparison has found them already.
+    refused : str
+        Why the comparison with the template was refused: what it cannot be held against is not what was prescribed,
+        and does not count. A walk, and an exercise that need not repeat anything, count by themselves.
+
+    Returns
+    -------
+    Practised
+    str
+        Why it does not count though something was recorded; empty otherwise.
 
     Notes
     -----
@@ -64,19 +83,30 @@ def practised(
     if exercise is None or exercise.movement in GUIDED_KINDS:
         content = any_walk(session, found)
         if content is not None:
-            return Practised(0, walked_s(content))
+            return Practised(0, walked_s(content)), ""
         if exercise is not None:
-            return NOTHING
+            return NOTHING, ""
+    needs_nothing = exercise is not None and exercise.movement in WITHOUT_REPETITIONS
+    if refused and not needs_nothing:
+        return NOTHING, refused
     try:
+        accepted = [one for one in repetitions or () if one.is_kept]
         if repetitions is None:
-            repetitions = _found(session, found, exercise.side if exercise is not None else "right")
-        accepted = [one for one in repetitions if one.is_kept]
-        if not accepted and exercise is not None and exercise.movement in WITHOUT_REPETITIONS:
-            return Practised(0, _moving_s(session, found))
-    except (EstimationError, InvalidInput, NotFound):
-        return NOTHING
+            side = exercise.side if exercise is not None else "right"
+            accepted = [one for one in _found(session, found, side) if one.is_kept]
+    except NotFound:
+        return NOTHING, ""
+    except (EstimationError, InvalidInput) as error:
+        if not needs_nothing:
+            return NOTHING, error.message
+        accepted = []
+    if not accepted and needs_nothing:
+        try:
+            return Practised(0, _moving_s(session, found)), ""
+        except (EstimationError, InvalidInput, NotFound):
+            return NOTHING, ""
     valid = sum(one.counted in ("", "valid") for one in accepted)
-    return Practised(valid, sum(one.end_s - one.start_s for one in accepted))
+    return Practised(valid, sum(one.end_s - one.start_s for one in accepted)), ""
 
 
 def walked_s(content: WalkContent) -> float:
@@ -100,13 +130,9 @@ def walked_s(content: WalkContent) -> float:
 
 
 def _found(session: Session, found: MotionSession, side: str) -> list[Repetition]:
-    try:
-        source = load_source(session, found, recordings.result_of(session, found, None))
-        # Steps taken in another exercise, as of balance, are no repetitions of it.
-        return source.judged(side) if source.cycles is None else []
-    except (EstimationError, InvalidInput):
-        # Nothing of that arm was worn, or the result holds nothing to compare.
-        return []
+    source = load_source(session, found, recordings.result_of(session, found, None))
+    # Steps taken in another exercise, as of balance, are no repetitions of it.
+    return source.judged(side) if source.cycles is None else []
 
 
 def _moving_s(session: Session, found: MotionSession) -> float:
@@ -115,4 +141,4 @@ def _moving_s(session: Session, found: MotionSession) -> float:
     return moved_s if moved_s >= LEAST_MOVING_S else 0.0
 
 
-__all__ = ["NOTHING", "Practised", "practised", "walked_s"]
+__all__ = ["NOTHING", "Practised", "practised", "practised_or_why", "walked_s"]

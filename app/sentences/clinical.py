@@ -102,6 +102,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "dose.sets": "{sets} sets of {amount}",
     "dose.weekly": {"one": "{amount}, once a week", "other": "{amount}, {count} times a week"},
     "comparison.not_compared": "Not compared. {reason}",
+    "comparison.not_practised": "This session does not count as practised. {reason}",
     "comparison.done": "Repetitions compared: {kept} of {all}.",
 }
 

@@ -61,6 +61,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guided.valid": "Valid repetition {number}",
     "guided.partial": "Partial repetition {number}",
     "guided.wrong": "Another movement {number}",
+    "guided.main_not_measured": "{channel:channel}, the main measurement of this exercise, is not measured: nothing is"
+    " counted and no cue is given. Wear the sensors above and below the joint.",
     "guided.failed": "The guidance failed and has ended; the session goes on without it.",
     "guided.cannot": "The template does not move enough to be followed; the session goes on without guidance.",
     "guided.after_walk": "A walk is compared with its template afterwards: nothing is counted while it goes on.",

@@ -24,8 +24,16 @@ from estimators.comparison._measures import (
     repetition_measures,
     summarise,
 )
-from estimators.comparison._template import align_timing, alignment_scale, known_median, near, phase_curves
+from estimators.comparison._template import (
+    FLOOR_OF_STRIDE,
+    align_timing,
+    alignment_scale,
+    known_median,
+    near,
+    phase_curves,
+)
 from estimators.comparison.channels.mirror import mirror_template
+from estimators.comparison.channels.names import channel_unit, is_of_stride
 from estimators.comparison.channels.sided import SideChannels, side_channels
 from estimators.comparison.measures.of_session import likeness_measures
 from estimators.comparison.repetitions import counted_repetitions, find_repetitions
@@ -34,6 +42,14 @@ from estimators.recording import Float
 
 _SHORTEST_OUTSIDE = 3
 """Phases (percent) that a curve must be outside the band to be called so: less is noise at the edge."""
+_SURE_BEYOND = 1.28
+_SURE_OF_PLACE = 2.33
+"""Standard deviations by which a curve is beyond the band where it is called so: nine in ten of these are, as of a cue,
+(10) of the guidance; of places 99 in 100, because an error of theirs is that of all repetitions of a session and of all
+points further out."""
+_LINE_M, _LINE_OF_STRIDE = 0.01, 0.1
+"""So little of a place beyond the band is within the thickness of its line; of a foot that walks the share of its
+floor."""
 _SCORE_ANGLE_RAD = 0.175
 _SCORE_POSITION = 0.1
 
@@ -225,11 +241,15 @@ def _places(template: Template) -> NDArray[np.bool_]:
 def _outside(aligned: Float, sigma: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
     """Half-open phase intervals of the template where the patient is outside the band, of channels that count.
 
-    What differs by no more than two standard deviations of its own is not known to be outside.
+    This is what is drawn red, and what the findings speak of: nothing else decides it. What differs by no more than two
+    standard deviations of its own, or is not beyond the edge by so many that it is sure, is not known to be outside.
     """
     difference = aligned - template.mean
-    beyond: NDArray[np.bool_] = (difference > template.above) | (-difference > template.below)
-    beyond &= ~(np.abs(difference) <= 2.0 * sigma) & template.counts
+    excess = np.maximum(difference - template.above, -difference - template.below)
+    unsure = np.nan_to_num(sigma)
+    sure, line = np.array([_sure_beyond(name) for name in template.channels]).T
+    sure = np.maximum(sure * unsure, line)
+    beyond: NDArray[np.bool_] = (excess > sure) & (np.abs(difference) > 2.0 * unsure) & template.counts
     outside: dict[str, list[tuple[int, int]]] = {}
     for column in np.flatnonzero(beyond.any(axis=0)).tolist():
         name = template.channels[column]
@@ -239,6 +259,14 @@ def _outside(aligned: Float, sigma: Float, template: Template) -> dict[str, list
         if long_enough:
             outside[name] = long_enough
     return outside
+
+
+def _sure_beyond(channel: str) -> tuple[float, float]:
+    """Return how many standard deviations, and how much, a channel is beyond its band where it is called so."""
+    if is_of_stride(channel):
+        # The band of a foot is wider than its own error by the floor that it has for that.
+        return 0.0, _LINE_OF_STRIDE * FLOOR_OF_STRIDE[channel_unit(channel)]
+    return (_SURE_OF_PLACE, _LINE_M) if "." in channel else (_SURE_BEYOND, 0.0)
 
 
 def difference_score(

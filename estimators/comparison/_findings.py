@@ -1,59 +1,44 @@
 """Plain sentences that a patient or a therapist understands, compensation first.
 
-A sentence is written only where the difference from the template exceeds what chance and sensors explain. What
-leaves the therapist's band in most repetitions is always reported; beside it at most three other differences. A fault
-of some repetitions is lost in the mean of all: it is reported with their numbers.
+What is drawn red in most repetitions has its sentence, one for each fault: that follows from the drawing and from
+nothing else. Beside it at most three other differences are reported, where they exceed what chance and sensors explain.
+A fault of some repetitions is lost in the mean of all: it is reported with their numbers.
 """
 
-import functools
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-import scipy
 
+from estimators.comparison._band_words import (
+    compensation,
+    main_left_band,
+    others_left_band,
+    range_changed,
+)
 from estimators.comparison._contract import Measure, RepetitionResult, Template
-from estimators.comparison._outside import Outside, outside_band
-from estimators.comparison.channels.feet_words import (
-    odd_strides,
-    other_pace,
-    other_range,
-    strides_left_band,
+from estimators.comparison._differences import (
+    LEAST_RANGE,
+    LEAST_SHARE,
+    Difference,
+    difference_of,
+    least_of,
+    other_range_of,
 )
-from estimators.comparison.channels.names import (
-    channel_name,
-    channel_unit,
-    is_of_stride,
-    tells_movement,
-)
+from estimators.comparison._outside import outside_band
+from estimators.comparison.channels.feet_words import odd_strides, other_pace, strides_left_band
+from estimators.comparison.channels.names import channel_name, channel_unit, is_of_stride
 from estimators.comparison.channels.sided import is_compensation
-from estimators.sentences import CATALOGUE, Sentence, say
+from estimators.sentences import Sentence, say
 
 _MOST = 3
-_CONFIDENCE = 0.975
-_LEAST_RANGE_RAD = 0.087
-_LEAST_RANGE = {"rad": _LEAST_RANGE_RAD, "m": 0.01, "m/s": 0.1}
-_LEAST_HIKE_M = 0.025
-_LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
+"""Smaller differences of arc length are not worth a word."""
+_LEAST_MEASURED = 0.5
+"""Share of its way over which the main channel must be known for anything to be said of it."""
 _OTHER_PACE = 1.45
 """Times as long or as short as in the template: so much of a single repetition is no chance."""
-"""Inside the therapist's band, differences below 5 degrees, 25 mm of a shoulder, 1 cm or 0.1 m/s of a foot, 15 percent
-or 0.2 of arc length are not worth a word."""
-
-
-@dataclass(frozen=True)
-class _Difference:
-    """A measure beside its template value; `certainty` is the difference over its 95 percent limit."""
-
-    value: float
-    reference: float
-    certainty: float
-
-    @property
-    def excess(self) -> float:
-        return self.value - self.reference
 
 
 def write_findings(
@@ -71,7 +56,8 @@ def write_findings(
     Returns
     -------
     tuple of str
-        At least one sentence.
+        At least one sentence. What could not be measured of the main channel comes first, then compensation. Every
+        channel that is outside its band in most repetitions stands in exactly one of them.
     """
     retained = [result for result in results if result.repetition.is_kept]
     is_walk = is_of_stride(template.primary_channel)
@@ -81,35 +67,78 @@ def write_findings(
         return (say("findings.no_stride_used") if is_walk else say("findings.none_used"),)
     by_name = {measure.name: measure for measure in summary}
     left_band = outside_band(retained, template)
-    outside = {} if is_walk else {one.channel: one for one in left_band}
-    in_some = _in_some(retained, by_name, template)
-    first = _compensation(retained, by_name, template, outside)
-    found: list[tuple[float, str]] = []
-    for write in (_range, _duration, _smoothness, _path):
-        sentence = write(retained, by_name, template)
-        if sentence is not None:
-            found.append(sentence)
-    left = strides_left_band(left_band) if is_walk else _left_band(outside, template)
-    if not first and not found and not left and not in_some:
+    unmeasured = _main_not_measured(retained, template)
+    main: list[str] = []
+    if is_walk:
+        # The ways in which a stride leaves its band stand last, each by itself.
+        first, left = unmeasured, strides_left_band(left_band)
+    else:
+        outside = {one.channel: one for one in left_band}
+        first = [*unmeasured, *compensation(retained, by_name, template, outside)]
+        main = main_left_band(retained, by_name, template, outside)
+        left = others_left_band(outside.values(), is_also=bool(main))
+    told = {one.channel for one in left_band}
+    helps = [f"compensation:{name}" for name in template.channels if is_compensation(name)]
+    helped_in_some = _in_some(helps, retained, by_name, template, told)
+    in_some = _in_some([f"range:{template.primary_channel}", "duration"], retained, by_name, template, told)
+    found = [
+        sentence
+        for sentence in (
+            _range(retained, by_name, template, told),
+            *(write(retained, by_name, template) for write in (_duration, _smoothness, _path)),
+        )
+        if sentence is not None
+    ]
+    if not any((first, helped_in_some, main, in_some, found, left)):
         share = by_name.get("inside_band")
         if share is not None and share.value > 80:
             return (say("findings.matched"),)
         return (say("findings.no_difference"),)
     found.sort(key=lambda item: -item[0])
-    most = max(0, _MOST - len(first))
-    return (*first, *in_some, *(sentence for _, sentence in found[:most]), *left)
+    most = max(0, _MOST - len(first) - len(main))
+    return (*first, *helped_in_some, *main, *in_some, *(sentence for _, sentence in found[:most]), *left)
+
+
+def _main_not_measured(retained: Sequence[RepetitionResult], template: Template) -> list[str]:
+    """Say that the exercise's main channel was not measured, or too badly to be held against its band.
+
+    Without it nothing may be called matched: what the exercise is about was not seen.
+    """
+    column, name = template.channels.index(template.primary_channel), channel_name(template.primary_channel)
+    known = [np.isfinite(one.aligned[:, column]) for one in retained]
+    measured = statistics.median(float(one.mean()) for one in known)
+    if measured < _LEAST_MEASURED:
+        if not any(one.any() for one in known):
+            return [say("findings.main_not_measured", channel=name)]
+        return [say("findings.main_mostly_not_measured", channel=name, share=measured)]
+    sigma = np.stack([one.sigma[:, column] for one in retained])
+    if not np.isfinite(sigma).any():
+        return []
+    unsure, width = 2.0 * float(np.nanmedian(sigma)), np.fmax(template.below, template.above)[:, column]
+    # Where it may be off by its band and by half of its way, nothing that it shows can be told from the template.
+    way = 0.5 * float(np.nanmax(template.mean[:, column]) - np.nanmin(template.mean[:, column]))
+    if channel_unit(template.primary_channel) == "rad" and unsure > max(float(np.nanmax(width)), way):
+        return [say("findings.main_uncertain", channel=name, unsure_rad=unsure)]
+    return []
 
 
 def _in_some(
-    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    names: Sequence[str],
+    retained: Sequence[RepetitionResult],
+    summary: dict[str, Measure],
+    template: Template,
+    told: set[str],
 ) -> list[Sentence]:
-    """Say which repetitions had a fault that all of them together do not show for certain."""
-    primary = f"range:{template.primary_channel}"
-    names = [f"compensation:{name}" for name in template.channels if is_compensation(name)]
+    """Say which repetitions had one of these faults, where all of them together do not show it for certain.
+
+    `told` are the channels that have their sentence already, because most repetitions are outside their band.
+    """
     found: list[Sentence] = []
-    for name in (*names, primary, "duration"):
-        together = _difference(name, retained, summary, template)
-        if name.partition(":")[2] in template.watched or (together is not None and together.certainty >= 1):
+    for name in names:
+        together = difference_of(name, retained, summary, template)
+        if name.partition(":")[2] in {*template.watched, *told}:
+            continue
+        if together is not None and together.certainty >= 1:
             continue
         odd = [
             (one.repetition.number, difference)
@@ -124,21 +153,21 @@ def _in_some(
     return found
 
 
-def _of_one(name: str, one: RepetitionResult, template: Template) -> _Difference | None:
+def _of_one(name: str, one: RepetitionResult, template: Template) -> Difference | None:
     alone = one.by_name.get(name)
-    return _difference(name, [one], {name: replace(alone, count=1)}, template) if alone else None
+    return difference_of(name, [one], {name: replace(alone, count=1)}, template) if alone else None
 
 
-def _is_fault(name: str, difference: _Difference) -> bool:
+def _is_fault(name: str, difference: Difference) -> bool:
     if name == "duration":
         return bool(abs(np.log(difference.value / difference.reference)) >= np.log(_OTHER_PACE))
     if name.startswith("range:"):
-        least = _LEAST_RANGE[channel_unit(name.partition(":")[2])]
-        return -difference.excess >= max(least, _LEAST_SHARE * difference.reference)
-    return difference.excess >= _least(name.partition(":")[2])
+        least = LEAST_RANGE[channel_unit(name.partition(":")[2])]
+        return -difference.excess >= max(least, LEAST_SHARE * difference.reference)
+    return difference.excess >= least_of(name.partition(":")[2])
 
 
-def _odd_ones(name: str, odd: Sequence[tuple[int, _Difference]], template: Template) -> Sentence:
+def _odd_ones(name: str, odd: Sequence[tuple[int, Difference]], template: Template) -> Sentence:
     """Name the repetitions of a fault, with the largest of it."""
     which, count = [str(number) for number, _ in odd], len(odd)
     worst = max((one for _, one in odd), key=lambda one: abs(one.excess))
@@ -178,181 +207,31 @@ def _odd_ones(name: str, odd: Sequence[tuple[int, _Difference]], template: Templ
     )
 
 
-def _difference(
-    name: str, retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
-) -> _Difference | None:
-    measure, reference = summary.get(name), template.measures.get(name)
-    if measure is None or reference is None or not np.isfinite(measure.value) or not np.isfinite(reference):
-        return None
-    named = (one.by_name.get(name) for one in retained)
-    own = [m.uncertainty for m in named if m is not None and np.isfinite(m.uncertainty)]
-    # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
-    sensor = 2.0 * statistics.median(own) if own else 0.0
-    count = measure.count
-    chance = _student(count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
-    deviation = template.measure_sd.get(name, np.nan)
-    others = template.repetition_count
-    if others > 1 and np.isfinite(deviation):
-        # With one repetition of the patient, the therapist's spread is all that is known about chance.
-        shrink = 1 / others + (1 if count < 2 else 0)
-        reference_chance = _student(others - 1) * deviation * np.sqrt(shrink)
-    else:
-        reference_chance = 0.0
-    limit = float(np.sqrt(sensor**2 + chance**2 + reference_chance**2))
-    return _Difference(measure.value, reference, abs(measure.value - reference) / max(limit, 1e-9))
-
-
-@functools.lru_cache(maxsize=256)
-def _student(freedom: int) -> float:
-    """Return the quantile of Student's t that 95 percent of both sides are within."""
-    return float(scipy.stats.t.ppf(_CONFIDENCE, freedom))
-
-
 def _range(
-    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template, told: set[str]
 ) -> tuple[float, str] | None:
+    """Name the range that differs most, of the channels that have no sentence yet."""
     candidates: list[tuple[float, str]] = []
     for name in (n for n in template.measures if n.startswith("range:")):
         channel = name.removeprefix("range:")
-        if channel in template.watched:
+        if channel in template.watched or channel in told:
             continue
-        difference = _difference(name, retained, summary, template)
-        is_primary, least = channel == template.primary_channel, _LEAST_RANGE[channel_unit(channel)]
-        if difference is None or difference.certainty < 1 or abs(difference.excess) < least:
-            continue
-        if not is_primary and not tells_movement(channel):
-            continue
-        if not is_primary and difference.reference < 2 * least and difference.excess < 0:
-            continue
-        sentence = _range_changed(channel, difference)
-        weight = abs(difference.excess) / max(difference.reference, least)
-        candidates.append((weight * (3.0 if is_primary else 1.0), sentence))
+        difference = other_range_of(channel, retained, summary, template)
+        if difference is not None:
+            weight = abs(difference.excess) / max(difference.reference, LEAST_RANGE[channel_unit(channel)])
+            is_primary = channel == template.primary_channel
+            candidates.append((weight * (3.0 if is_primary else 1.0), range_changed(channel, difference)))
     return max(candidates) if candidates else None
-
-
-def _range_changed(channel: str, difference: _Difference) -> Sentence:
-    if is_of_stride(channel):
-        return other_range(channel, difference.value, difference.reference)
-    if difference.excess < 0:
-        return say(
-            "findings.range_smaller",
-            channel=channel_name(channel),
-            difference_rad=-difference.excess,
-            value_rad=difference.value,
-            reference_rad=difference.reference,
-        )
-    return say(
-        "findings.range_larger",
-        channel=channel_name(channel),
-        difference_rad=difference.excess,
-        value_rad=difference.value,
-        reference_rad=difference.reference,
-    )
-
-
-def _compensation(
-    retained: Sequence[RepetitionResult],
-    summary: dict[str, Measure],
-    template: Template,
-    outside: dict[str, Outside],
-) -> list[str]:
-    """Say how trunk and shoulder helped the arm, the largest first; what has its sentence here leaves `outside`."""
-    found: list[tuple[float, str]] = []
-    judged = [name for name in template.channels if name not in template.watched]
-    for channel in filter(is_compensation, judged):
-        difference = _difference(f"compensation:{channel}", retained, summary, template)
-        left = outside.get(channel)
-        if (
-            difference is not None
-            and difference.certainty >= 1
-            and difference.excess > (0.0 if left is not None else _least(channel))
-        ):
-            stated: list[str] = [_helped(channel, difference.excess)]
-            if left is not None:
-                stated.append(say("findings.how_often", outside=left.count, count=left.of))
-                stated.extend(_where(left))
-            found.append((difference.excess / _least(channel), CATALOGUE.together(stated)))
-            outside.pop(channel, None)
-        elif left is not None and left.is_certain and channel_unit(channel) == "rad":
-            text = say(
-                "findings.outside",
-                channel=channel_name(channel),
-                outside=left.count,
-                count=left.of,
-                beyond_rad=left.beyond,
-            )
-            found.append((left.beyond / _least(channel), CATALOGUE.together([text, *_where(left)])))
-            outside.pop(channel)
-    return [sentence for _, sentence in sorted(found, key=lambda item: -item[0])]
-
-
-def _least(channel: str) -> float:
-    return _LEAST_RANGE_RAD if channel_unit(channel) == "rad" else _LEAST_HIKE_M
-
-
-def _helped(channel: str, more: float) -> Sentence:
-    return (
-        say("findings.shoulder_rose", more_m=more)
-        if channel_unit(channel) == "m"
-        else _trunk_moved(channel, more)
-    )
-
-
-def _trunk_moved(channel: str, more_rad: float) -> Sentence:
-    if channel == "trunk_lean_forward_rad":
-        return say("findings.trunk_leaned_forward", more_rad=more_rad)
-    if channel == "trunk_lean_lateral_rad":
-        return say("findings.trunk_leaned_sideways", more_rad=more_rad)
-    return say("findings.trunk_turned", more_rad=more_rad)
-
-
-def _beyond(one: Outside) -> Sentence:
-    name = channel_name(one.channel)
-    if channel_unit(one.channel) == "m":
-        return say("findings.beyond_length", channel=name, beyond_m=one.beyond)
-    return say("findings.beyond_angle", channel=name, beyond_rad=one.beyond)
-
-
-def _where(one: Outside) -> list[str]:
-    """Say in which of the therapist's phases; nothing where none was named."""
-    return [say("findings.in_phases", phases=list(one.phases))] if one.phases else []
-
-
-def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
-    """Say which angles left the band: the main one with its phases, the others together."""
-    sentences: list[str] = []
-    main = outside.get(template.primary_channel)
-    if main is not None:
-        stated = say(
-            "findings.outside_mostly",
-            channel=channel_name(main.channel),
-            outside=main.count,
-            count=main.of,
-            start=main.start / 100.0,
-            end=main.end / 100.0,
-        )
-        sentences.append(CATALOGUE.together([stated, *_where(main)]))
-    # These state by how much: no distance that is smaller than its own uncertainty.
-    certain = (one for one in outside.values() if one is not main and one.is_certain)
-    others = sorted(certain, key=lambda one: -one.beyond)
-    if others:
-        angles = [_beyond(one) for one in others]
-        sentences.append(
-            say("findings.others_outside", angles=angles)
-            if main is None
-            else say("findings.also_outside", angles=angles)
-        )
-    return sentences
 
 
 def _duration(
     retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("duration", retained, summary, template)
+    difference = difference_of("duration", retained, summary, template)
     if difference is None or difference.certainty < 1:
         return None
     ratio = difference.value / difference.reference
-    if abs(np.log(ratio)) < np.log(1 + _LEAST_SHARE):
+    if abs(np.log(ratio)) < np.log(1 + LEAST_SHARE):
         return None
     own_s, reference_s = difference.value, difference.reference
     if is_of_stride(template.primary_channel):
@@ -367,7 +246,7 @@ def _duration(
 def _smoothness(
     retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("spectral_arc_length", retained, summary, template)
+    difference = difference_of("spectral_arc_length", retained, summary, template)
     if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_SMOOTHNESS:
         return None
     if difference.excess < 0:
@@ -380,11 +259,11 @@ def _smoothness(
 def _path(
     retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("hand_path_ratio", retained, summary, template)
+    difference = difference_of("hand_path_ratio", retained, summary, template)
     if (
         difference is None
         or difference.certainty < 1
-        or difference.excess < _LEAST_SHARE * difference.reference
+        or difference.excess < LEAST_SHARE * difference.reference
     ):
         return None
     more = difference.excess / difference.reference

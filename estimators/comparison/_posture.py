@@ -6,7 +6,7 @@ import numpy as np
 
 from estimators.comparison._contract import Trajectory
 from estimators.comparison.channels.mirror import check_side, other_side
-from estimators.comparison.channels.sided import TRUNK_CHANNELS
+from estimators.comparison.channels.sided import TRUNK_CHANNELS, limb_measured, not_measured
 from estimators.errors import ComparisonError
 from estimators.recording import Float
 from estimators.sentences import say
@@ -47,8 +47,9 @@ def posture(source: Trajectory, side: str) -> Float:
     }
     own = [name for name in columns_of if _is_of(name, side)]
     is_other = [_is_of(name, other_side(side)) for name in columns_of]
-    if not own and (not columns_of or any(is_other)):
-        raise ComparisonError(say("compare.side_not_measured", side=side))
+    # Points of the trunk have a side too: what is measured of a side is its limb.
+    if not columns_of or (not limb_measured(source, side) and limb_measured(source, other_side(side))):
+        raise ComparisonError(not_measured(source, side))
     shared = [
         name for name, other in zip(columns_of, is_other, strict=True) if not other and not _is_of(name, side)
     ]

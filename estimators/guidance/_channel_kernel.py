@@ -109,6 +109,20 @@ def sums_of_channels(model: Model, memory: Memory, work: Work) -> tuple[float, f
 
 
 @step()
+def against_phase(settings: Record, state: Record, speed: float, along: float, steep: float) -> float:
+    """Return what the direction of movement and the steepness of a phase say against it, (4)."""
+    r0 = settings.pace
+    turned = 1.0 - along / math.sqrt(max(speed * steep, 1e-30))
+    steady = steep * r0 * r0
+    of_pace = settings.pace_sd**2 + settings.slope_share
+    least = settings.slope_sd_per_s**2 + state.rest_v
+    return float(
+        settings.direction * 0.5 * turned * speed / (speed + 1.0 + state.rest_v) * steady / (steady + 1.0)
+        + settings.steepness * math.log(1.0 + steady * of_pace / least)
+    )
+
+
+@step()
 def rest_speed(model: Model, memory: Memory, work: Work) -> tuple[float, float, float]:
     """Return <(y-y0)^2/s0^2>, <v^2/s0^2> and the weight of slopes at the start posture."""
     away, speed, of_values, of_slopes = 0.0, 0.0, 0.0, 0.0
@@ -138,6 +152,7 @@ __all__ = [
     "SIZE",
     "SPEED",
     "STEEP",
+    "against_phase",
     "rest_speed",
     "slopes",
     "slopes_at_pace",

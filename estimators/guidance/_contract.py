@@ -45,6 +45,9 @@ class GuidanceParameters:
         logarithm of the variance of slopes that it expects), largest D, and for how long one look counts.
     rest_speed, wrong_misfit : float
         (5): 0.36 and the D of WRONG.
+    stiff_from, stiff_misfit, stiff_least : float
+        From which mean D on a movement is also looked at with one channel that does not come along, what that costs,
+        and the least share of its way that such a channel goes; below it the movement is another one.
     rest_to_start_per_s, end_to_rest_per_s, end_to_start_per_s, to_wrong_per_s, from_wrong_per_s, to_rest_per_s, \
 restart_per_s : float
         (6), in the order of that equation.
@@ -77,6 +80,9 @@ restart_per_s : float
     memory_s: float = 0.02
     rest_speed: float = 0.36
     wrong_misfit: float = 6.0
+    stiff_from: float = 1.5
+    stiff_misfit: float = 2.0
+    stiff_least: float = 0.15
     rest_to_start_per_s: float = 0.5
     end_to_rest_per_s: float = 6.0
     end_to_start_per_s: float = 8.0
@@ -154,6 +160,8 @@ class CountedRepetition:
         Mean P(WRONG).
     excursion : float
         Way from the start posture as a share of the template's.
+    stiff_share : float
+        How much of the time the movement was the template's only but for one joint that did not come along.
     """
 
     kind: RepetitionKind
@@ -163,6 +171,7 @@ class CountedRepetition:
     quotient: tuple[float, ...]
     wrong_share: float
     excursion: float
+    stiff_share: float = 0.0
 
 
 @dataclass(frozen=True)

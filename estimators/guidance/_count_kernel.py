@@ -26,7 +26,7 @@ def _begin(state: Record, memory: Memory, said: Said) -> None:
     state.attempt += 1
     state.attempt_tick = state.tick
     state.updates = 0
-    state.wrong_sum = 0.0
+    state.wrong_sum, state.stiff_sum = 0.0, 0.0
     state.was_late = 0
     state.was_wrong = 0
     memory.reached[:] = 0.0
@@ -42,6 +42,25 @@ def _excursion(model: Model, memory: Memory) -> float:
         total += model.weight[f] * memory.reached[f] / model.excursion[f]
         weight += model.weight[f]
     return total / weight
+
+
+@step()
+def _main_was_seen(settings: Record, model: Model, memory: Memory) -> bool:
+    """Tell whether the main channel was known at any time of the attempt; one that does not steer is not looked at."""
+    for f in range(len(model.steering)):
+        if model.steering[f] == settings.main:
+            return bool(memory.reached[f] > 0.0)
+    return True
+
+
+@step()
+def _least_share(model: Model, memory: Memory) -> float:
+    """Return how far the joint went that went least of its way, of those that move most."""
+    least = 1.0
+    for f in range(len(model.weight)):
+        if model.weight[f] >= 1.0:
+            least = min(least, memory.reached[f] / model.excursion[f])
+    return least
 
 
 @step()
@@ -76,14 +95,22 @@ def _finish(
     for k in range(len(memory.quotient)):
         if memory.quotient[k] < settings.valid_share:
             kind = PARTIAL
+    stiff = state.stiff_sum / max(state.updates, 1)
+    if stiff > settings.wrong_share:
+        # One joint did not come along: the way was the right one, and not gone to its end.
+        kind = PARTIAL
     if wrong > settings.wrong_share:
         kind = WRONG
     lasted_s = (state.tick - state.attempt_tick) * settings.tick_s
+    # Of a main channel that was never known nothing can be counted.
+    if not _main_was_seen(settings, model, memory):
+        kind = IGNORED
     if excursion < settings.least_excursion or lasted_s < settings.least_attempt_s:
         kind = IGNORED
-    if kind in (VALID, PARTIAL):
+    if kind in (VALID, PARTIAL) and stiff <= settings.wrong_share:
         _learn_size(state, model, memory)
-    conclude(settings, state, kind, orders, said, spoken)
+    share = _least_share(model, memory) if stiff > settings.wrong_share else math.nan
+    conclude(settings, state, kind, share, orders, said, spoken)
     tally = said.state[0]
     tally.attempts += kind != IGNORED
     tally.valid += kind == VALID
@@ -92,7 +119,7 @@ def _finish(
     row = out.counts[0]
     one = out.repetitions[row]
     one.tick, one.kind, one.attempt, one.start_tick = state.tick, kind, state.attempt, state.attempt_tick
-    one.wrong, one.excursion, one.size = wrong, excursion, state.size
+    one.wrong, one.stiff, one.excursion, one.size = wrong, stiff, excursion, state.size
     for k in range(len(memory.quotient)):
         out.quotients[row, k] = memory.quotient[k]
     out.counts[0] = row + 1
@@ -118,6 +145,7 @@ def count(
         _begin(state, memory, said)
     state.updates += 1
     state.wrong_sum += state.p_wrong
+    state.stiff_sum += state.p_stiff * max(1.0 - state.p_rest - state.p_wrong, 0.0)
     for f in range(len(model.steering)):
         c = model.steering[f]
         away = abs(work.y[c] - memory.start[c])

@@ -263,25 +263,38 @@ def watch(
 
 
 @step()
-def conclude(settings: Record, state: Record, kind: int, orders: Orders, said: Said, spoken: Spoken) -> None:
-    """At the end of an attempt: too slow, if nothing else was said; praise for some that needed no word."""
+def _in_the_end(
+    quantity: int, value: float, state: Record, orders: Orders, cue: Record, spoken: Spoken
+) -> bool:
+    """Say the first rule of this quantity whose tolerance the value exceeds; False where there is none."""
+    for r in range(len(orders.rules)):
+        rule = orders.rules[r]
+        off = value - rule.tolerance if quantity == SLOW else rule.tolerance - value
+        if rule.is_on == 1 and rule.quantity == quantity and off > 0.0:
+            cue.said += 1
+            _say(cue, spoken, state.tick, state.attempt, 1.0, r, value, rule.tolerance)
+            return True
+    return False
+
+
+@step()
+def conclude(
+    settings: Record, state: Record, kind: int, share: float, orders: Orders, said: Said, spoken: Spoken
+) -> None:
+    """At the end of an attempt in which nothing else was said: a joint that did not come along, too slow, praise.
+
+    `share` is how far the joint went that went least, of its way in the template; NaN where all came along.
+    """
     cue, of = said.state[0], orders.settings[0]
     if cue.stopped == 1 or cue.said > 0 or kind not in (VALID, PARTIAL):
         return
     is_turn = cue.attempts % of.cue_every == 0
     is_silence = cue.last_tick >= 0 and state.tick - cue.last_tick < of.silence_ticks
-    ratio = cue.moved_s / of.template_moves_s
-    for r in range(len(orders.rules)):
-        rule = orders.rules[r]
-        if (
-            rule.is_on == 1
-            and rule.quantity == SLOW
-            and ratio > rule.tolerance
-            and is_turn
-            and not is_silence
-        ):
-            cue.said += 1
-            _say(cue, spoken, state.tick, state.attempt, 1.0, r, ratio, rule.tolerance)
+    if is_turn and not is_silence:
+        # NaN compares false.
+        if _in_the_end(RANGE, share, state, orders, cue, spoken):
+            return
+        if _in_the_end(SLOW, cue.moved_s / of.template_moves_s, state, orders, cue, spoken):
             return
     if kind == VALID and of.praise_every > 0:
         cue.silent_valid += 1

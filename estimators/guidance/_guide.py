@@ -298,6 +298,7 @@ def _repetitions(out: Out) -> tuple[CountedRepetition, ...]:
             quotient=tuple(float(q) for q in quotient),
             wrong_share=float(one["wrong"]),
             excursion=float(one["excursion"]),
+            stiff_share=float(one["stiff"]),
         )
         for one, quotient in zip(out.repetitions[:count], out.quotients[:count], strict=True)
     )

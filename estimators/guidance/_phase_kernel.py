@@ -24,11 +24,13 @@ from estimators.guidance._channel_kernel import (
     SIZE,
     SPEED,
     STEEP,
+    against_phase,
     rest_speed,
     slopes_at_pace,
     sums_of_channels,
 )
 from estimators.guidance._records import Memory, Model, Work
+from estimators.guidance._stiff_kernel import spare_one_joint
 from estimators.kernels import Record, step
 from estimators.recording import Float
 
@@ -222,26 +224,28 @@ def _change(settings: Record, state: Record, memory: Memory, work: Work) -> None
 @step()
 def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: Work, away: float) -> None:
     """Equations (4) and (5): what is measured speaks for some phases and sizes and against others."""
-    mass, sums = memory.mass, work.sums
+    mass, sums, misfits = memory.mass, work.sums, work.moved
     sizes, phases = mass.shape
     rate = 0.5 * settings.update_s / settings.memory_s
-    r0 = settings.pace
-    of_pace = settings.pace_sd**2 + settings.slope_share
-    least = settings.slope_sd_per_s**2 + state.rest_v
     against = work.line[0]
     for b in range(phases):
-        speed, steep = sums[SPEED, b], sums[STEEP, b]
-        turned = 1.0 - sums[ALONG, b] / math.sqrt(max(speed * steep, 1e-30))
-        steady = steep * r0 * r0
-        against[b] = (
-            settings.direction * 0.5 * turned * speed / (speed + 1.0 + state.rest_v) * steady / (steady + 1.0)
-        ) + settings.steepness * math.log(1.0 + steady * of_pace / least)
+        against[b] = against_phase(settings, state, sums[SPEED, b], sums[ALONG, b], sums[STEEP, b])
+    moving, strange = 0.0, 0.0
     for a in range(sizes):
         size = model.sizes[a]
         for b in range(phases):
             misfit = sums[FIT, b] - 2.0 * size * sums[CROSS, b] + size * size * sums[SIZE, b]
             d = max(0.0, misfit - settings.free_misfit) + against[b] + work.strange[a, b]
-            mass[a, b] *= _decay(rate * min(d, settings.misfit_cap))
+            misfits[a, b] = d
+            moving += mass[a, b]
+            strange += mass[a, b] * min(d, settings.misfit_cap)
+    if strange > settings.stiff_from * moving:
+        spare_one_joint(settings, state, model, memory, work)
+    else:
+        state.p_stiff = 0.0
+    for a in range(sizes):
+        for b in range(phases):
+            mass[a, b] *= _decay(rate * min(misfits[a, b], settings.misfit_cap))
     still = away + state.v / (settings.rest_speed + state.rest_v)
     state.p_rest *= _decay(rate * min(still, settings.misfit_cap))
     state.p_wrong *= _decay(rate * settings.wrong_misfit)

@@ -27,6 +27,9 @@ _TUNED: Final[Fields] = [
     ("memory_s", "f8"),
     ("rest_speed", "f8"),
     ("wrong_misfit", "f8"),
+    ("stiff_from", "f8"),
+    ("stiff_misfit", "f8"),
+    ("stiff_least", "f8"),
     ("rest_to_start_per_s", "f8"),
     ("end_to_rest_per_s", "f8"),
     ("end_to_start_per_s", "f8"),
@@ -68,6 +71,7 @@ STATE: Final = record(
         ("still_s", "f8"),  # how long still near the start posture without being at rest
         ("p_rest", "f8"),
         ("p_wrong", "f8"),
+        ("p_stiff", "f8"),  # share of the movement that is one with a joint that does not come along
         ("phase", "f8"),
         ("rate", "f8"),  # at which the phase goes on, 1/s
         ("sigma", "f8"),
@@ -78,6 +82,7 @@ STATE: Final = record(
         ("attempt_tick", "i8"),
         ("updates", "i8"),
         ("wrong_sum", "f8"),
+        ("stiff_sum", "f8"),
         ("was_late", "i8"),
         ("was_wrong", "i8"),
     ]
@@ -91,6 +96,7 @@ REPETITION: Final = record(
         ("attempt", "i8"),
         ("start_tick", "i8"),
         ("wrong", "f8"),
+        ("stiff", "f8"),
         ("excursion", "f8"),
         ("size", "f8"),
     ]

@@ -143,13 +143,20 @@ class GuidanceDesk:
             self._following.leave()
             self._tell(None)
             return
+        if not self._following.measures_main(frames):
+            channel = channel_name(self._following.main)
+            self._fail(say("guided.main_not_measured", channel=channel))
+            return
         try:
             self._follow(self._following, frames, is_live=is_live)
         except Exception:
             logger.exception("the guidance failed")
-            self._has_failed = True
-            self._add_event("guidance_failed", self._time_s, text=say("guided.failed"))
-            self._tell(None)
+            self._fail(say("guided.failed"))
+
+    def _fail(self, why: str) -> None:
+        self._has_failed = True
+        self._add_event("guidance_failed", self._time_s, text=why)
+        self._tell(None)
 
     def _follow(self, following: Following, frames: Frames, *, is_live: bool) -> None:
         chunk, is_settled = following.feed(frames)

@@ -256,9 +256,13 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Programm liest ({known}). Aktualisieren Sie das Programm.",
     "compare.side_not_measured": "Seite {side:side}: In dieser Aufzeichnung wurde nichts davon gemessen. Sensoren"
     " anlegen und kalibrieren, oder die andere Seite vergleichen.",
+    "compare.other_side_measured": "Seite {side:side}: In dieser Aufzeichnung wurde nichts davon gemessen, die Sensoren"
+    " waren auf der anderen Seite angelegt ({worn:side}). Sensoren auf der Seite der Übung anlegen und kalibrieren,"
+    " oder die Übung der anderen Seite wählen.",
     "comparison.done": "Verglichene Wiederholungen: {kept} von {all}.",
     "comparison.no_template": "Es ist keine Vorlage verordnet, deshalb gab es keinen Vergleich.",
     "comparison.not_compared": "Nicht verglichen. {reason}",
+    "comparison.not_practised": "Diese Sitzung zählt nicht als geübt. {reason}",
     "comparison.not_found": "Der Vergleich wurde nicht gefunden, oder er ist nicht für Sie freigegeben.",
     "compass.all_visited": "Alle Richtungen wurden abgedeckt.",
     "compass.axes_turned": "Die Achsen des Magnetometers sind um {angle_rad:deg} gegen die des"

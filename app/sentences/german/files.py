@@ -79,6 +79,23 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "{channel:channel}: in {outside:number} von {count:number} Wiederholungen außerhalb des"
         " Bandes, um bis zu {beyond_rad:deg}.",
     },
+    "findings.outside_length": {
+        "one": "{channel:channel}: außerhalb des Bandes, um bis zu {beyond_m:cm}.",
+        "other": "{channel:channel}: in {outside:number} von {count:number} Wiederholungen außerhalb des"
+        " Bandes, um bis zu {beyond_m:cm}.",
+    },
+    "findings.this_outside_mostly": {
+        "one": "Das lag außerhalb des Bandes, meist zwischen {start:points} und {end:percent} der Bewegung.",
+        "other": "Das lag in {outside:number} von {count:number} Wiederholungen außerhalb des Bandes, meist"
+        " zwischen {start:points} und {end:percent} der Bewegung.",
+    },
+    "findings.places_followed": "Damit war auch der Arm woanders: {angles:and}.",
+    "findings.main_not_measured": "{channel:channel}, die wichtigste Messgröße dieser Übung, wurde nicht gemessen."
+    " Darüber lässt sich nichts sagen: Legen Sie die Sensoren über und unter dem Gelenk an, und kalibrieren Sie sie.",
+    "findings.main_mostly_not_measured": "{channel:channel}, die wichtigste Messgröße dieser Übung, wurde die meiste"
+    " Zeit nicht gemessen: nur in {share:percent} der Bewegung. Prüfen Sie die Sensoren über und unter dem Gelenk.",
+    "findings.main_uncertain": "{channel:channel}, die wichtigste Messgröße dieser Übung, wurde für einen Vergleich"
+    " nicht genau genug gemessen: nur auf {unsure_rad:deg} genau.",
     "findings.outside_mostly": {
         "one": "{channel:channel}: außerhalb des Bandes, meist zwischen {start:points} und {end:percent} der"
         " Bewegung.",
@@ -161,10 +178,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "size.length": "{value_m:cm.1}",
     "size.speed": "{value_mps:mps}",
     "findings.trunk_leaned_forward": "Ausweichbewegung: Der Rumpf neigte sich {more_rad:deg} mehr als in der"
-    " Vorlage, vor und zurück.",
+    " Vorlage, vor und zurück ({value_rad:deg} gegenüber {reference_rad:deg}).",
     "findings.trunk_leaned_sideways": "Ausweichbewegung: Der Rumpf neigte sich {more_rad:deg} mehr als in der"
-    " Vorlage, zur Seite.",
-    "findings.trunk_turned": "Ausweichbewegung: Der Rumpf drehte sich {more_rad:deg} mehr als in der Vorlage.",
+    " Vorlage, zur Seite ({value_rad:deg} gegenüber {reference_rad:deg}).",
+    "findings.trunk_turned": "Ausweichbewegung: Der Rumpf drehte sich {more_rad:deg} mehr als in der Vorlage"
+    " ({value_rad:deg} gegenüber {reference_rad:deg}).",
     "gaitmap.header": "Die Datei braucht einen Kopf aus einer oder zwei Zeilen, mit Zahlen darunter.",
     "gaitmap.side": "Die Datei sagt nicht, von welchem Fuß sie ist; schreiben Sie `left` oder `right` in ihren"
     " Namen.",

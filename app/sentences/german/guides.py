@@ -101,6 +101,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guided.cannot": "Die Vorlage bewegt sich zu wenig, um ihr zu folgen; die Sitzung läuft ohne Anleitung"
     " weiter.",
     "guided.ended": "Die Übung wurde beendet; beginnen Sie eine neue Sitzung.",
+    "guided.main_not_measured": "{channel:channel}, die wichtigste Messgröße dieser Übung, wird nicht gemessen: Es wird"
+    " nichts gezählt und nichts angesagt. Legen Sie die Sensoren über und unter dem Gelenk an.",
     "guided.failed": "Die Anleitung ist ausgefallen und beendet; die Sitzung läuft ohne sie weiter.",
     "guided.limit_at_rest": "{channel:channel} liegt schon in Ruhe bei {value}, jenseits der Grenze von {limit}: Diese"
     " Grenze hält die Sitzung nicht an. Ändern Sie die Grenze.",

@@ -4,17 +4,21 @@ from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.accelerometer_against_others": "{where:place}: Die Achsen des Beschleunigungssensors passen nicht"
-    " zu den anderen Sensoren. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " zu den anderen Sensoren. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.accelerometer_clipped": "{where:place}: Der Beschleunigungssensor endet bei {level_mps2:mps2}."
     " Wählen Sie einen größeren Bereich.",
     "readings.accelerometer_dead": "{where:place}: Der Beschleunigungssensor ändert sich nie. Tauschen Sie den"
     " Sensor aus, oder prüfen Sie seine Verdrahtung.",
     "readings.accelerometer_unit": "{where:place}: Der Beschleunigungssensor zeigt in Ruhe {value:number~4},"
     " erwartet sind 9,81 m/s². {remedy}",
+    "readings.axes_in_doubt": "{where:place}: Gyroskop, Beschleunigungssensor und Magnetometer passen nicht ganz"
+    " zueinander. So sieht es bei Eisen oder einem Magneten in der Nähe aus, aber auch bei falsch angegebenen Achsen."
+    " Gehen Sie von Eisen weg, und drehen Sie den Sensor um jede seiner Achsen; kommt dieser Hinweis wieder, lassen Sie"
+    " den Sensor prüfen.",
     "readings.axes_apart": "{where:place}: Gyroskop und Beschleunigungssensor haben nicht dieselben Achsen."
-    " Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.field_axes_apart": "{where:place}: Gyroskop und Magnetometer haben nicht dieselben Achsen."
-    " Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.field_down": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach unten. Der"
     " Beschleunigungssensor liefert Schwerkraft statt spezifischer Kraft (wie Geräte mit"
     " Nord-Ost-unten-Achsen), oder das Magnetometer ist umgekehrt: Ändern Sie das Vorzeichen.",
@@ -38,11 +42,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.force_without_gravity": "Das Gerät entfernt die Schwerkraft: Stellen Sie es auf rohe"
     " Beschleunigung um.",
     "readings.gyroscope_against_accelerometer": "{where:place}: Die Achsen des Gyroskops passen nicht zu denen"
-    " des Beschleunigungssensors. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " des Beschleunigungssensors. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.gyroscope_against_magnetometer": "{where:place}: Die Achsen des Gyroskops passen nicht zu denen"
-    " des Magnetometers. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " des Magnetometers. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.gyroscope_against_others": "{where:place}: Die Achsen des Gyroskops passen nicht zu den anderen"
-    " Sensoren. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " Sensoren. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.gyroscope_clipped": "{where:place}: Das Gyroskop endet bei {level_radps:degps}, schnellere"
     " Bewegung geht also verloren. Wählen Sie einen größeren Bereich, oder bewegen Sie sich langsamer.",
     "readings.gyroscope_dead": {
@@ -64,7 +68,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.gyroscope_twice": "{where:place}: Das Gyroskop zeigt ein 57stel der Drehung des Sensors: rad/s"
     " wurden zweimal umgerechnet. Geben Sie rad/s an.",
     "readings.magnetometer_against_gyroscope": "{where:place}: Die Achsen des Magnetometers passen nicht zu"
-    " denen des Gyroskops. Berichtigen Sie die Spaltenzuordnung oder die Achsen: {mapping:and}.",
+    " denen des Gyroskops. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.magnetometer_constant": "{where:place}: Das Magnetometer ändert sich nie. Geben Sie an, dass es"
     " keines gibt, oder schalten Sie es ein.",
     "readings.magnetometer_frozen": "{where:place}: Das Magnetometer wiederholte {lasts_s:s} lang einen Wert,"

@@ -42,6 +42,8 @@ class Readings:
         self.calm: list[float] = []
         self.shaken: list[float] = []
         self.fastest: list[float] = []
+        self.turns: list[Float] = []
+        """Of each stretch the mean of rate times rate, shape (3, 3), (rad/s)^2: about which axes it turned."""
         self.resting_radps: list[tuple[float, float]] = []
         self.field_t: list[float] = []
         self.field_spread: list[float] = []
@@ -74,6 +76,7 @@ class Readings:
             return
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
+        self.turns.append(rate[sound].T @ rate[sound] / int(sound.sum()))
         calm = calm_size(force, step_s)
         if not math.isfinite(calm):
             return

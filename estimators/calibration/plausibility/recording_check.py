@@ -35,6 +35,8 @@ _LEAST_TURNING: Final = 0.04
 """A limb that is shaken turns: on sound recordings the fastest hundredth of turning over that of what is added to
 gravity is 0.12 to 2.5 rad/s for each m/s^2."""
 _SILENT_RADPS: Final = 0.05
+_OFFSET_RADPS: Final = 0.1
+"""Gyroscopes have offsets up to half of this on an axis; less than this between two readings of the axes may be one."""
 _FIELD_RANGE_T: Final = (20e-6, 75e-6)
 _FIELD_SURE_T: Final = (2e-6, 1e-3)
 _FIELD_UNITS: Final = (
@@ -187,7 +189,8 @@ class _Verdict:
         explanation = explain(self.readings.evidence, max(self.readings.fastest, default=0.0))
         if is_rate_alive:
             self._unit_of_rate(explanation)
-            if is_force_alive and explanation is not None and explanation.scale == 1.0:
+            is_of_axes = explanation is not None and explanation.scale == 1.0
+            if is_force_alive and explanation is not None and is_of_axes and self._decides(explanation):
                 self._axes(explanation, hemisphere if is_field_alive else "unknown")
         if is_force_alive and is_field_alive and hemisphere != "unknown":
             self._sign(hemisphere)
@@ -273,6 +276,20 @@ class _Verdict:
                 message = say("readings.gyroscope_restless", where=where, rate_radps=rate)
                 self._tell("gyroscope_unit", message, rate, "warning")
 
+    def _decides(self, explanation: Explanation) -> bool:
+        """Tell whether the sensor turned about the axes that would be exchanged by more than an offset does.
+
+        A limb that swings about one axis of its sensor leaves on the other two little but the offset of the gyroscope:
+        exchanging these two only turns the offset, and may fit better by chance.
+        """
+        proper = explanation.mapping
+        if "gyroscope" not in explanation.triads:
+            # Of these only the turn shows, whatever the sign of all axes.
+            proper = proper * np.sign(np.linalg.det(proper))
+        apart = proper - np.eye(3)
+        moved = [float(np.trace(apart @ turn @ apart.T)) for turn in self.readings.turns]
+        return max(moved, default=0.0) > _OFFSET_RADPS**2
+
     def _axes(self, explanation: Explanation, hemisphere: Hemisphere) -> None:
         triads, mapping, where = explanation.triads, explanation.mapping, [self.name]
         seen_force, seen_field = (self.readings.evidence.windows > 0).tolist()
@@ -299,6 +316,9 @@ class _Verdict:
         else:
             code = "gyroscope_or_accelerometer_axes"
             message = say("readings.axes_apart", where=where, mapping=axes)
+        if not explanation.is_certain:
+            # Which triad, and how its axes would be right, is told where the readings then fit clearly better.
+            message = say("readings.axes_in_doubt", where=where)
         self._tell(code, message, explanation.gain, severity)
 
     def _signed(self, mapping: Float, triad: str, hemisphere: Hemisphere) -> Float:

@@ -8,16 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.comparison._contract import Repetition, Trajectory
-from estimators.comparison.channels.mirror import check_side
+from estimators.comparison.channels.mirror import check_side, other_side
 from estimators.comparison.channels.names import foot_channels
 from estimators.comparison.measures.places import ARM_POINTS
 from estimators.errors import ComparisonError
 from estimators.recording import Float
-from estimators.sentences import say
+from estimators.sentences import Sentence, say
 
 TRUNK_CHANNELS: Final = ("trunk_lean_forward_rad", "trunk_lean_lateral_rad", "trunk_axial_rotation_rad")
 """Scalars that show compensation with the trunk; the last two change sign in a mirror."""
 _HIKES: Final = "shoulder_hike"
+_OF_THE_TRUNK: Final = ("shoulder_", "hip_")
 
 
 @dataclass(frozen=True)
@@ -105,13 +106,27 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
                 sigma.append(source.sigma[:, index[name]] * size_ratio)
     measured = [i for i, column in enumerate(values) if np.isfinite(column).any()]
     if not any(f"_{side}" in names[i] for i in measured):
-        raise ComparisonError(say("compare.side_not_measured", side=side))
+        raise ComparisonError(not_measured(source, side))
     return SideChannels(
         time_s=source.time_s,
         channels=tuple(names[i] for i in measured),
         values=np.ascontiguousarray(np.stack([values[i] for i in measured], axis=1)),
         sigma=np.ascontiguousarray(np.stack([sigma[i] for i in measured], axis=1)),
     )
+
+
+def limb_measured(source: Trajectory, side: str) -> bool:
+    """Tell whether anything of a limb of that side was measured: not what a sensor on the trunk says of both sides."""
+    is_own = [f"_{side}" in name and not name.startswith(_OF_THE_TRUNK) for name in source.channels]
+    return bool(source.valid[:, is_own].any())
+
+
+def not_measured(source: Trajectory, side: str) -> Sentence:
+    """Say that nothing of a side was measured, and where sensors were worn instead."""
+    other = other_side(side)
+    if limb_measured(source, other):
+        return say("compare.other_side_measured", side=side, worn=other)
+    return say("compare.side_not_measured", side=side)
 
 
 def is_compensation(channel: str) -> bool:
@@ -146,4 +161,12 @@ def fill_gaps(values: Float) -> tuple[Float, NDArray[np.bool_]]:
     return filled, usable
 
 
-__all__ = ["TRUNK_CHANNELS", "SideChannels", "fill_gaps", "is_compensation", "side_channels"]
+__all__ = [
+    "TRUNK_CHANNELS",
+    "SideChannels",
+    "fill_gaps",
+    "is_compensation",
+    "limb_measured",
+    "not_measured",
+    "side_channels",
+]

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from estimators.comparison.channels.trajectory import leaning_channel
 from estimators.guidance._contract import GuidanceChunk, GuidanceTemplate
 from estimators.guidance._guide import VALID_SHARE, Guide
 from estimators.guidance._orders import CuePace
@@ -47,6 +48,7 @@ class Following:
         pace: CuePace | None = None,
     ) -> None:
         self._tick_s = tick_s
+        self.main = ready.main
         self._guide = Guide(ready, tick_s, valid_share=valid_share, rules=rules, stops=stops, pace=pace)
         self._picking = Picking(ready)
         self._settling = Settling(ready, tick_s)
@@ -135,6 +137,13 @@ class Following:
         doubt = np.where(np.isfinite(sigma[:, column]), 2.0 * sigma[:, column], least_room(rule.channel))
         beyond: Float = sign * values[:, column] - (sign * rule.limit - doubt)
         return beyond
+
+    def measures_main(self, frames: Frames) -> bool:
+        """Say whether the sensors worn give the main channel at all, be it known at the moment or not."""
+        layout = frames.layout
+        places = {f"{point}.{axis}" for point in layout.points for axis in "xyz"}
+        leaning = {leaning_channel(segment) for segment in layout.segments}
+        return self.main in {*layout.angles, *layout.scalars, *places, *leaning}
 
     def is_tracked(self, chunk: GuidanceChunk) -> bool:
         """Say whether what tells the phase has been seen well for a while, up to the last frames."""

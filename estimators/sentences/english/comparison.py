@@ -28,11 +28,18 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "size.angle": "{value_rad:deg}",
     "size.length": "{value_m:cm.1}",
     "size.speed": "{value_mps:mps}",
+    "findings.main_not_measured": "{channel:channel}, the main measurement of this exercise, was not measured. Nothing"
+    " can be said about it: wear and calibrate the sensors above and below the joint.",
+    "findings.main_mostly_not_measured": "{channel:channel}, the main measurement of this exercise, was not measured"
+    " most of the time: only in {share:percent} of the movement. Check the sensors above and below the joint.",
+    "findings.main_uncertain": "{channel:channel}, the main measurement of this exercise, was not measured well enough"
+    " to be compared: it is known within {unsure_rad:deg} only.",
     "findings.trunk_leaned_forward": "Compensation: the trunk leaned {more_rad:deg} more than in the template, forward"
-    " and back.",
+    " and back ({value_rad:deg} against {reference_rad:deg}).",
     "findings.trunk_leaned_sideways": "Compensation: the trunk leaned {more_rad:deg} more than in the template, to the"
-    " side.",
-    "findings.trunk_turned": "Compensation: the trunk turned {more_rad:deg} more than in the template.",
+    " side ({value_rad:deg} against {reference_rad:deg}).",
+    "findings.trunk_turned": "Compensation: the trunk turned {more_rad:deg} more than in the template ({value_rad:deg}"
+    " against {reference_rad:deg}).",
     "findings.some_trunk": {
         "one": "Compensation in repetition {repetitions:and}: {channel:channel} {more_rad:deg} more than in the"
         " template.",
@@ -96,6 +103,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, by up to"
         " {beyond_rad:deg}.",
     },
+    "findings.outside_length": {
+        "one": "{channel:channel}: outside the band, by up to {beyond_m:cm}.",
+        "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, by up to"
+        " {beyond_m:cm}.",
+    },
+    "findings.this_outside_mostly": {
+        "one": "This was outside the band, mostly between {start:points} and {end:percent} of the movement.",
+        "other": "This was outside the band in {outside:number} of {count:number} repetitions, mostly between"
+        " {start:points} and {end:percent} of the movement.",
+    },
+    "findings.places_followed": "So the arm was elsewhere too: {angles:and}.",
     "findings.in_phases": "Mostly in: {phases:and}.",
     "findings.outside_mostly": {
         "one": "{channel:channel}: outside the band, mostly between {start:points} and {end:percent} of the"
@@ -128,6 +146,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "measure.straight_path": "The path is straight: how far it is turned about itself cannot be known.",
     "compare.side_not_measured": "Nothing of the {side:side} side was measured in this recording. Wear and calibrate"
     " its sensors, or compare the other side.",
+    "compare.other_side_measured": "Nothing of the {side:side} side was measured in this recording: the sensors were"
+    " worn on the {worn:side} side. Wear and calibrate them on the {side:side} side, or choose the exercise of the"
+    " {worn:side} side.",
     "compare.no_signal": "No joint angle and no wrist was measured on the {side:side} side. Wear and calibrate the"
     " sensors above and below the joint.",
     "compare.few_repetitions": {

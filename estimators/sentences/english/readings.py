@@ -40,19 +40,22 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the sensor"
     " lies still. If these are degrees/s, declare them so; otherwise find the gyroscope zero.",
     "readings.gyroscope_against_others": "{where:place}: the axes of the gyroscope do not fit the other sensors."
-    " Correct the column mapping or the axes: {mapping:and}.",
+    " Check the axes that are declared: {mapping:and}.",
     "readings.accelerometer_against_others": "{where:place}: the axes of the accelerometer do not fit the other"
-    " sensors. Correct the column mapping or the axes: {mapping:and}.",
+    " sensors. Check the axes that are declared: {mapping:and}.",
     "readings.gyroscope_against_accelerometer": "{where:place}: the axes of the gyroscope do not fit those of the"
-    " accelerometer. Correct the column mapping or the axes: {mapping:and}.",
-    "readings.axes_apart": "{where:place}: gyroscope and accelerometer do not have the same axes. Correct the column"
-    " mapping or the axes: {mapping:and}.",
-    "readings.field_axes_apart": "{where:place}: gyroscope and magnetometer do not have the same axes. Correct the"
-    " column mapping or the axes: {mapping:and}.",
+    " accelerometer. Check the axes that are declared: {mapping:and}.",
+    "readings.axes_apart": "{where:place}: gyroscope and accelerometer do not have the same axes. Check the"
+    " axes that are declared: {mapping:and}.",
+    "readings.field_axes_apart": "{where:place}: gyroscope and magnetometer do not have the same axes. Check the"
+    " axes that are declared: {mapping:and}.",
     "readings.gyroscope_against_magnetometer": "{where:place}: the axes of the gyroscope do not fit those of the"
-    " magnetometer. Correct the column mapping or the axes: {mapping:and}.",
+    " magnetometer. Check the axes that are declared: {mapping:and}.",
     "readings.magnetometer_against_gyroscope": "{where:place}: the axes of the magnetometer do not fit those of the"
-    " gyroscope. Correct the column mapping or the axes: {mapping:and}.",
+    " gyroscope. Check the axes that are declared: {mapping:and}.",
+    "readings.axes_in_doubt": "{where:place}: gyroscope, accelerometer and magnetometer do not quite fit each other."
+    " Iron or a magnet nearby looks like this, and so do axes that are declared wrongly. Go away from iron and turn the"
+    " sensor about each of its axes; if this word comes again, have the sensor checked.",
     "readings.magnetometer_zero": "{where:place}: the magnetometer always reads zero. Declare that there is none, or"
     " switch it on.",
     "readings.magnetometer_constant": "{where:place}: the magnetometer never changes. Declare that there is none, or"

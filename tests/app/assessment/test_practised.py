@@ -14,7 +14,7 @@ from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.kinds.walk.schemas import FootOut, StrideOut, WalkContent, WalkTestOut
 from app.kinds.walk.stored import store_walk
 from app.recordings.analysis.jobs import run_job
-from app.recordings.models import Job, MotionSession, Result
+from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from estimators.arm import ArmModel
 from estimators.body import BodyDimensions
 from estimators.comparison import moving_time
@@ -22,6 +22,7 @@ from estimators.orientation import OrientationFlag
 from estimators.pipelines import FrameLayout
 from estimators.rotation import about_y
 from tests.app.viewer.stored_reaches import RATE_HZ, Recorded, compared_reaches, reaching_frames, store
+from tests.said import codes
 
 REACHES, REACH_S = 5, 3.0
 """Of `compared_reaches`."""
@@ -234,9 +235,32 @@ def test_the_walk_beside_a_magnetic_result_counts_too(engine, keep) -> None:
     assert measured(engine, recorded, "walk") == (0, 4.0)
 
 
+def on_the_left():
+    """Trunk and left arm, which does the reaching of an exercise of the right one; the trunk leans along."""
+    return bent(
+        ("sternum", "upper_arm_left", "forearm_left"),
+        {"sternum": 0.15, "upper_arm_left": -0.9, "forearm_left": -1.2},
+    )
+
+
+def test_what_the_other_arm_did_does_not_count(engine, keep) -> None:
+    assert measured(engine, keep(on_the_left()), "reaching") == NOTHING
+
+
 @pytest.mark.parametrize("with_template", [True, False])
-def test_closing_a_session_notes_what_was_valid(engine, settings, world, keep, with_template) -> None:
-    recorded = keep(compared_reaches()[0])
+def test_a_session_of_the_other_arm_says_why_it_does_not_count(engine, settings, world, keep, with_template):
+    recorded = keep(on_the_left())
+    close(engine, settings, world, recorded, with_template=with_template)
+    with read_only(engine) as session:
+        found = session.get_one(MotionSession, recorded.session_id)
+        assert (found.state, found.valid_repetitions, found.active_s) == ("analysed", 0, 0.0)
+        (event,) = session.query(SessionEvent).filter_by(session_id=found.id, kind="not_practised")
+        assert codes(event.text) == ["comparison.not_practised", "compare.other_side_measured"]
+        assert "left" in str(event.text)
+
+
+def close(engine, settings, world, recorded, *, with_template: bool) -> None:
+    """Let a stored session be compared and closed, with a prescription that names its template or none."""
     with unit_of_work(engine) as session:
         found = session.get_one(MotionSession, recorded.session_id)
         found.state = "closing"
@@ -257,6 +281,12 @@ def test_closing_a_session_notes_what_was_valid(engine, settings, world, keep, w
         session.add(job)
     done = run_job(engine, settings, job.id, compare_task)
     assert done.status == "complete", done.message
+
+
+@pytest.mark.parametrize("with_template", [True, False])
+def test_closing_a_session_notes_what_was_valid(engine, settings, world, keep, with_template) -> None:
+    recorded = keep(compared_reaches()[0])
+    close(engine, settings, world, recorded, with_template=with_template)
     with read_only(engine) as session:
         found = session.get_one(MotionSession, recorded.session_id)
         assert found.state == "analysed"

@@ -1279,6 +1279,8 @@ export interface paths {
         /**
          * Get Gait
          * @description Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry.
+         *
+         *     Of a walk with more than 200 strides of a foot these are the first; `/gait/strides` has all of them.
          */
         get: operations["get_gait_api_sessions__session_id__gait_get"];
         put?: never;
@@ -1301,6 +1303,26 @@ export interface paths {
          * @description Return pitch, height and forward speed of each foot over the whole walk, as templates of walks have them.
          */
         get: operations["get_foot_curves_api_sessions__session_id__gait_curves_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/gait/strides": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Strides
+         * @description Return the strides of both feet of a walk in the order of time.
+         */
+        get: operations["list_strides_api_sessions__session_id__gait_strides_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3454,6 +3476,11 @@ export interface components {
          * @description One foot.
          */
         FootOut: {
+            /**
+             * Counted Count
+             * @default 0
+             */
+            counted_count?: number;
             /** Curves */
             curves: components["schemas"]["CycleCurve"][];
             /** Footholds */
@@ -3467,10 +3494,68 @@ export interface components {
              * @enum {string}
              */
             side: "left" | "right";
+            /**
+             * Stride Count
+             * @default 0
+             */
+            stride_count?: number;
             /** Strides */
             strides: components["schemas"]["StrideOut"][];
             /** Turning */
             turning?: components["schemas"]["WalkMeasure"][];
+        };
+        /**
+         * FootStride
+         * @description One stride in the list of both feet's, in the order of their contacts.
+         */
+        FootStride: {
+            /** Bout */
+            bout: number;
+            /** Circumduction M */
+            circumduction_m: number | null;
+            /** Clearance M */
+            clearance_m: number | null;
+            /** Contact Pitch Rad */
+            contact_pitch_rad: number | null;
+            /** Contact S */
+            contact_s: number | null;
+            /** Duration S */
+            duration_s: number | null;
+            /** Flags */
+            flags?: number | null;
+            /** Is Counted */
+            is_counted: boolean;
+            /** Is Initiation */
+            is_initiation: boolean;
+            /** Is Termination */
+            is_termination: boolean;
+            /** Length M */
+            length_m: number | null;
+            /** Length Sigma M */
+            length_sigma_m: number | null;
+            /** Number */
+            number: number;
+            /** Peak Speed Mps */
+            peak_speed_mps: number | null;
+            /** Rise M */
+            rise_m: number | null;
+            /**
+             * Side
+             * @enum {string}
+             */
+            side: "left" | "right";
+            /** Stance S */
+            stance_s: number | null;
+            /** Swing S */
+            swing_s: number | null;
+            /** Toe Off Pitch Rad */
+            toe_off_pitch_rad: number | null;
+            /** Toe Off S */
+            toe_off_s: number | null;
+            /** Toe Out Rad */
+            toe_out_rad: number | null;
+            /** Turn Rad */
+            turn_rad: number | null;
         };
         /**
          * FormatOut
@@ -3508,7 +3593,7 @@ export interface components {
         };
         /**
          * GaitOut
-         * @description The walk of a result.
+         * @description The walk of a result: of a long one the first strides, footholds and seconds of balance.
          */
         GaitOut: {
             /** Asymmetry */
@@ -4926,6 +5011,18 @@ export interface components {
             template_version_id: string | null;
             /** Value */
             value: number;
+        };
+        /**
+         * PulseMessage
+         * @description Nothing new, once a second in which nothing else was said: a reader that misses it is out of reach.
+         */
+        PulseMessage: {
+            /**
+             * Type
+             * @default pulse
+             * @constant
+             */
+            type?: "pulse";
         };
         /**
          * ReadyOut
@@ -8948,6 +9045,42 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FootCurvesOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    list_strides_api_sessions__session_id__gait_strides_get: {
+        parameters: {
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+                result_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FootStride"][];
                 };
             };
             401: components["responses"]["Error401"];

@@ -4,7 +4,7 @@ import { useElementSize } from '@mantine/hooks';
 import type { CSSProperties, ReactNode } from 'react';
 import type { CycleCurve, PhaseCurve, PhaseDesign, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
+import { aboutZero, bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
 import { date, displayUnit, plainTick, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 
@@ -131,7 +131,7 @@ function fitted(name: string, room: number): string {
 
 /** One channel over the phases: template with band, every repetition that counts, thick and barred where it leaves the band. */
 export function PaperPhases({
-  curve,
+  curve: measured,
   left,
   outside = [],
   phases = [],
@@ -141,6 +141,7 @@ export function PaperPhases({
   outside?: readonly OutsideStretch[];
   phases?: readonly PhaseDesign[];
 }) {
+  const curve = aboutZero(measured);
   const unit = displayUnit(curve.unit);
   const scaled = (values: Values) => values.map((value) => (value === null ? null : value * unit.factor));
   const edges = bandEdges(curve);

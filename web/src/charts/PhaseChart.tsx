@@ -5,7 +5,7 @@ import { LegendRow, LegendStroke } from './Legend';
 import type { PhaseCurve, PhaseDesign } from '../api/types';
 import { t } from '../i18n';
 import { displayUnit, quantity, tick } from '../lib/format';
-import { bandEdges } from '../lib/assessment/comparison';
+import { aboutZero, bandEdges } from '../lib/assessment/comparison';
 import { axis, CHART_FONT, Plot, themeColour, type PlotOptions } from './Plot';
 import { extent } from './scales';
 
@@ -132,7 +132,7 @@ const OFFSET = 3;
 const NO_PHASES: readonly PhaseDesign[] = [];
 
 export function PhaseChart({
-  curve,
+  curve: measured,
   left = new Set(),
   selected = null,
   outside = [],
@@ -142,6 +142,7 @@ export function PhaseChart({
   phases = NO_PHASES,
   phaseNow,
 }: PhaseChartProps) {
+  const curve = useMemo(() => aboutZero(measured), [measured]);
   const unit = displayUnit(curve.unit);
   const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase, phases });
   drawn.current = { outside, left, selected, offset: OFFSET, onPhase, phases };

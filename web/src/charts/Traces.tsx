@@ -4,7 +4,7 @@ import { IconPlayerPause, IconPlayerPlay } from '@tabler/icons-react';
 import { useEffect, useMemo, useRef, useState, type ReactNode } from 'react';
 import type uPlot from 'uplot';
 import { t } from '../i18n';
-import { channelLabel } from '../lib/channels';
+import { channelLabel, zeroOf } from '../lib/channels';
 import { displayUnit, number, quantity } from '../lib/format';
 import { hasSigma, sigmaOf } from '../kinds/magnetic/magnetic';
 import { useSnapshot } from '../player/hooks';
@@ -16,6 +16,8 @@ import { extent, runs, steadyRange } from './scales';
 const INVALID = 1;
 const SINGULAR = 128;
 const HEIGHT = 132;
+/** An angle known no better than this (one standard deviation) says nothing that a number could state. */
+const UNKNOWN_RAD = Math.PI / 12;
 /** A value that is older than this is not of now. */
 const OF_NOW_S = 1.5;
 
@@ -109,6 +111,11 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
   };
 }
 
+/** Whether a number may stand for the value: not where the angle has no meaning in this posture, or is hardly known. */
+export function isMeaningful(flags: number, sigma: number, unit: string): boolean {
+  return (flags & (INVALID | SINGULAR)) === 0 && !(unit === 'rad' && sigma > UNKNOWN_RAD);
+}
+
 const EMPTY_DATA: uPlot.AlignedData = [[], [], [], [], [], [], []];
 
 /** Read the window and draw it; returns what a person would read from the curve. */
@@ -128,6 +135,7 @@ function draw(
   const read = player.read(fromS, untilS, [channel, sigmaOf(channel), `${channel}.flags`], 4000);
   const { factor } = displayUnit(unit);
   const [raw, sigma, flags] = read.values;
+  const zero = zeroOf(channel);
   const count = read.timeS.length;
   const value = new Float64Array(count);
   const low = new Float64Array(count);
@@ -138,18 +146,19 @@ function draw(
   let now = NaN;
   for (let index = 0; index < count; index += 1) {
     const lost = ((flags?.[index] ?? 0) & INVALID) !== 0;
-    const here = lost ? NaN : (raw?.[index] ?? NaN) * factor;
+    const here = lost ? NaN : ((raw?.[index] ?? NaN) - zero) * factor;
     const spread = 2 * (sigma?.[index] ?? NaN) * factor;
     value[index] = here;
     low[index] = here - spread;
     high[index] = here + spread;
     const at = read.timeS[index] ?? 0;
-    if (at <= cursorS && at > cursorS - OF_NOW_S) now = here;
+    if (at <= cursorS && at > cursorS - OF_NOW_S)
+      now = isMeaningful(flags?.[index] ?? 0, sigma?.[index] ?? NaN, unit) ? here : NaN;
     const template = templateAt?.(channel, at);
     if (template) {
-      mean[index] = template.mean;
-      bandLow[index] = template.low;
-      bandHigh[index] = template.high;
+      mean[index] = template.mean - zero * factor;
+      bandLow[index] = template.low - zero * factor;
+      bandHigh[index] = template.high - zero * factor;
     }
   }
   chart.flags = flags ?? new Float32Array(0);
@@ -264,7 +273,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
             <div className="trace-name">
               <span className="strong">{label.text}</span>
               <span className="trace-value number" ref={(element) => void (chart.value = element)} />
-              <span className="muted trace-convention">{label.convention}</span>
+              {label.zero !== 0 && <span className="muted small trace-zero">{t('traces.neutralZero')}</span>}
             </div>
             <div className="trace-plot">
               <Plot
@@ -287,6 +296,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
           </div>
         ))}
       </div>
+      <p className="muted small">{t('traces.hatched')}</p>
       <TraceTable readings={() => described.map(({ chart, label }) => ({ label, reading: chart.reading }))} />
     </div>
   );
@@ -323,7 +333,10 @@ function TraceTable({ readings }: { readings: () => ReadingRow[] }) {
         <tbody>
           {rows.map(({ label, reading }) => (
             <tr key={label.text}>
-              <th scope="row">{label.text}</th>
+              <th scope="row">
+                {label.text}
+                {label.convention && <span className="measure-note muted small">{label.convention}</span>}
+              </th>
               <td className="number">{say(reading?.now, label.unit)}</td>
               <td className="number">{say(reading?.low, label.unit)}</td>
               <td className="number">{say(reading?.high, label.unit)}</td>

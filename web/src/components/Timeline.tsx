@@ -35,6 +35,7 @@ const SHOWN_EVENTS = new Set([
   'error',
   'calibration',
   'implausible',
+  'not_practised',
   'cue',
   'pain',
   'guidance_pause',

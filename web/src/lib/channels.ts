@@ -12,6 +12,19 @@ export interface ChannelLabel {
   convention: string;
   unit: string;
   side: 'left' | 'right' | null;
+  /** What clinicians call zero, in the unit of the frames: shown is the value less this. */
+  zero: number;
+}
+
+/**
+ * Where clinicians begin to count, where the ISB begins elsewhere: the forearm in neutral (the thumb up) is 90 degrees of
+ * its pronation, and 0 of theirs, supination below.
+ */
+const ZERO: readonly (readonly [RegExp, number])[] = [[/^humerus_forearm_(left|right)_zxy_pronation$/, Math.PI / 2]];
+
+/** What is taken off a channel before it is shown, in the unit of the frames; the only place that says so. */
+export function zeroOf(name: string): number {
+  return ZERO.find(([pattern]) => pattern.test(name))?.[1] ?? 0;
 }
 
 /** Of a leg in the ISB's sequence alone: in Z-Y-X it is a magnetic pair of sensors. */
@@ -35,6 +48,10 @@ function readable(name: string): string {
 
 /** Words for a channel; a name that is not known is shown readably, never hidden. */
 export function channelLabel(name: string): ChannelLabel {
+  return { ...named(name), zero: zeroOf(name) };
+}
+
+function named(name: string): Omit<ChannelLabel, 'zero'> {
   const angle = ANGLE.exec(name);
   if (angle) {
     const [, joint = '', side, sequence = '', movement = ''] = angle;

@@ -1,8 +1,23 @@
 import type { ComparisonDetail, PhaseCurve } from '../../api/types';
 import { extent } from '../../charts/scales';
+import { zeroOf } from '../channels';
 import { limbOf } from '../placements';
 
 type Values = readonly (number | null)[];
+
+/** The same curve counted from where clinicians begin (`zeroOf`), for drawing. */
+export function aboutZero(curve: PhaseCurve): PhaseCurve {
+  const zero = zeroOf(curve.channel) * (curve.unit === 'rad' ? 1 : 180 / Math.PI);
+  if (zero === 0) return curve;
+  const less = (values: Values): (number | null)[] => values.map((value) => (value === null ? null : value - zero));
+  return {
+    ...curve,
+    mean: less(curve.mean),
+    low: less(curve.low),
+    high: less(curve.high),
+    repetitions: curve.repetitions.map(less),
+  };
+}
 
 /**
  * Both edges of a curve's band for drawing: where the therapist left it free it reaches to the rim of all that is drawn,

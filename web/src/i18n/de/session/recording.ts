@@ -144,6 +144,7 @@ export const session: Translated<typeof english> = {
   'live.toReplay': 'Abspielen und vergleichen',
   'event.unnamed': 'Ereignis',
   'event.mark': 'Markierung',
+  'event.not_practised': 'Nicht als geübt gezählt',
   'event.gap': 'Lücke in den Daten',
   'event.sensor_lost': 'Sensorsignal verloren',
   'event.sensor_back': 'Sensorsignal wieder da',
@@ -180,6 +181,9 @@ export const session: Translated<typeof english> = {
   'traces.resume': 'Weiter',
   'traces.paused': 'Angehalten. Die Sitzung läuft weiter.',
   'traces.band': 'Das Band um die Kurve ist die Unsicherheit (zwei Standardabweichungen).',
+  'traces.hatched':
+    'Schraffiert: Der Sensor war verloren, oder der Winkel hat in dieser Haltung keine Bedeutung, wie die Hebeebene eines hängenden Arms. Dann steht „–“ für den Wert.',
+  'traces.neutralZero': '0° ist die Neutralstellung (Daumen oben); Supination ist negativ. ISB: 90° mehr.',
   'traces.none': 'Noch keine Gelenkwinkel. Sie erscheinen nach der Kalibrierung.',
   'traces.angle': 'Winkel',
   'traces.now': 'Jetzt',

@@ -140,6 +140,7 @@ export const session = {
   'live.toReplay': 'Replay and compare',
   'event.unnamed': 'Event',
   'event.mark': 'Mark',
+  'event.not_practised': 'Not counted as practised',
   'event.gap': 'Gap in the data',
   'event.sensor_lost': 'Sensor signal lost',
   'event.sensor_back': 'Sensor signal is back',
@@ -175,6 +176,9 @@ export const session = {
   'traces.resume': 'Continue',
   'traces.paused': 'Paused. The session continues.',
   'traces.band': 'The band around the patient’s curve is the uncertainty (two standard deviations).',
+  'traces.hatched':
+    'Hatched: the sensor was lost, or the angle has no meaning in this posture, as the plane in which a hanging arm is raised. Then “–” stands for its value.',
+  'traces.neutralZero': '0° is the neutral position (thumb up); supination is negative. ISB: 90° more.',
   'traces.none': 'No joint angles yet. They appear after calibration.',
   'traces.angle': 'Angle',
   'traces.now': 'Now',

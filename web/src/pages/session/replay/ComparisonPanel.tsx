@@ -10,6 +10,7 @@ import { symmetryText } from '../../../charts/ProgressChart';
 import { WeightedSum } from '../../../components/WeightedSum';
 import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
+import { zeroOf } from '../../../lib/channels';
 import { quantity, uncertain } from '../../../lib/format';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
@@ -177,6 +178,7 @@ function Curve({
   return (
     <section className="curve">
       <h3>{curve.label}</h3>
+      {zeroOf(curve.channel) !== 0 && <p className="muted small">{t('traces.neutralZero')}</p>}
       <PhaseChart
         curve={curve}
         phases={comparison.phases}
