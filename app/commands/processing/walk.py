@@ -5,7 +5,7 @@ import json
 import math
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import typer
@@ -49,6 +49,12 @@ def analyse(
     except EstimationError as error:
         return walk, None, f"no forces: {error}"
     return pipelines.with_shoes(walk, forces), forces, ""
+
+
+OF_THE_FOOT: Final = frozenset(
+    {"side", "footholds", "q_sensor_foot", "is_backward", "is_trembling", "is_carried", "rolled_s"}
+)
+"""Fields of `Strides` that are no columns."""
 
 
 def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str = "") -> None:
@@ -125,7 +131,8 @@ def _write_forces(shoes: ShoeWalk, path: Path) -> None:
 
 
 def _is_column(name: str) -> bool:
-    return name not in ("side", "footholds", "q_sensor_foot")
+    # What is of the foot as a whole stands in `walk.json`, as numbers or as a reason.
+    return name not in OF_THE_FOOT
 
 
 def _numbers(measures: Any) -> dict[str, dict[str, Any]]:

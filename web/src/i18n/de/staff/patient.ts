@@ -112,6 +112,7 @@ export const patient: Translated<typeof english> = {
   'audit.patient.read': 'hat die Akte geöffnet',
   'audit.patient.update': 'hat die Akte geändert',
   'audit.prescription.create': 'hat eine Übung verordnet',
+  'audit.prescription.change': 'hat eine Verordnung geändert',
   'audit.prescription.end': 'hat eine Verordnung beendet',
   'audit.prescription.list': 'hat die Verordnungen angesehen',
   'audit.course.read': 'hat den Verlaufsbericht angesehen',

@@ -107,6 +107,7 @@ export const patient = {
   'audit.patient.read': 'opened the record',
   'audit.patient.update': 'changed the record',
   'audit.prescription.create': 'prescribed an exercise',
+  'audit.prescription.change': 'changed a prescription',
   'audit.prescription.end': 'ended a prescription',
   'audit.prescription.list': 'viewed the prescriptions',
   'audit.course.read': 'viewed the report of the course',
