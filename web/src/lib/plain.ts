@@ -65,3 +65,14 @@ export function repetitionsOf(measures: readonly ProgressMeasure[], sessionId: s
   const points = measures.filter((one) => isRange(one.measure)).flatMap((one) => one.points);
   return points.find((one) => one.session_id === sessionId)?.count ?? null;
 }
+
+/** What a measure is in the words of her own page. */
+export function shortName(main: ProgressMeasure): string {
+  return isRange(main.measure) ? t('mine.ownRange', { joint: jointOf(main.measure) }) : main.label;
+}
+
+/** Her own value of one session, e.g. `Your elbow: 59°`; empty where the session has none. */
+export function plainValue(main: ProgressMeasure | null, sessionId: string): string {
+  const point = main?.points.find((one) => one.session_id === sessionId);
+  return main && point ? t('mine.ownValue', { name: shortName(main), value: quantity(point.value, main.unit) }) : '';
+}

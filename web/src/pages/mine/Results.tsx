@@ -1,14 +1,78 @@
-import { IconChevronRight } from '@tabler/icons-react';
+import { IconCheck, IconChevronRight } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
-import type { Session } from '../../api/types';
+import type { ProgressMeasure, Session } from '../../api/types';
 import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
-import { weekday } from '../../lib/format';
-import { mainMeasure, plainProgress, repetitionsOf } from '../../lib/plain';
+import { Sparkline } from '../../charts/Sparkline';
+import { dayName, DAYS } from '../../lib/assessment/practice';
+import { clockTime, quantity, weekday } from '../../lib/format';
+import { valuesByDay, practisedWeeks } from '../../lib/ownDays';
+import { mainMeasure, plainProgress, plainValue, repetitionsOf, shortName } from '../../lib/plain';
 import { NoRecord } from './Today';
+
+/** How her own value went, a point a day; one day is no curve. */
+function Curve({ main }: { main: ProgressMeasure }) {
+  const days = valuesByDay(main);
+  const last = days.at(-1);
+  if (!last || days.length < 2) return null;
+  return (
+    <div className="trend">
+      <Sparkline
+        values={days.map((one) => one.value)}
+        days={days.map((one) => one.day)}
+        low={[]}
+        high={[]}
+        unit={main.unit}
+        label={shortName(main)}
+        width={210}
+        height={60}
+      />
+      <span className="strong">{quantity(last.value, main.unit)}</span>
+    </div>
+  );
+}
+
+/** On which days of the last weeks she practised: a row a week. */
+function Calendar({ at, isWhole }: { at: readonly string[]; isWhole: boolean }) {
+  const weeks = practisedWeeks(at, isWhole);
+  if (weeks.length === 0) return null;
+  return (
+    <section className="card">
+      <h2>{t('mine.days')}</h2>
+      <table className="mine-days">
+        <thead>
+          <tr>
+            {DAYS.map((one) => (
+              <th key={one} scope="col">
+                <abbr title={dayName(one, 'long')}>{dayName(one, 'short')}</abbr>
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {weeks.map((week) => (
+            <tr key={week[0]?.at.toISOString()}>
+              {week.map(({ at: day, state }) => (
+                <td key={day.toISOString()} className={`mine-day mine-day-${state}`}>
+                  {day.getDate()}
+                  {state === 'practised' && (
+                    <>
+                      <IconCheck size={16} aria-hidden />
+                      <span className="visually-hidden">{t('mine.dayPractised')}</span>
+                    </>
+                  )}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
 
 function Exercise({ patientId, exerciseId, name }: { patientId: string; exerciseId: string; name: string }) {
   const progress = useProgress(patientId, exerciseId);
@@ -16,24 +80,36 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
     <section className="card">
       <h2>{name}</h2>
       <Answer of={progress} lines={3}>
-        {(data) => <p className="mine-say">{plainProgress(mainMeasure(data.measures))}</p>}
+        {(data) => {
+          const main = mainMeasure(data.measures);
+          return (
+            <>
+              <p className="mine-say">{plainProgress(main)}</p>
+              {main && <Curve main={main} />}
+            </>
+          );
+        }}
       </Answer>
     </section>
   );
 }
 
-/** One session: what it was, how often, how long, and the way to look at it. */
-function Done({ session, repetitions }: { session: Session; repetitions: number | null }) {
+const begun = (one: Session) => one.started_at ?? one.created_at;
+
+/** One session: when, what it was, how often, how long, and the way to look at it. */
+function Done({ session, repetitions, value = '' }: { session: Session; repetitions: number | null; value?: string }) {
   const name = session.exercise_name ?? t('session.free');
   const minutes = Math.round(session.duration_s / 60);
   const said = [
+    clockTime(begun(session)),
     ...(repetitions ? [t('home.times', { count: repetitions })] : []),
     minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute'),
   ].join(', ');
   const words = (
     <span>
       <span className="strong">{name}</span>
-      <span className="muted">{said.charAt(0).toUpperCase() + said.slice(1)}</span>
+      <span className="muted">{said}</span>
+      {value && <span>{value}</span>}
       {session.state === 'closing' && <span className="muted">{t('home.beingPrepared')}</span>}
     </span>
   );
@@ -54,12 +130,18 @@ function Done({ session, repetitions }: { session: Session; repetitions: number 
 /** The same with the repetitions that its exercise's progress counts; asked once for all sessions of an exercise. */
 function DoneExercise({ session, exerciseId }: { session: Session; exerciseId: string }) {
   const progress = useProgress(session.patient_id, exerciseId);
-  return <Done session={session} repetitions={repetitionsOf(progress.data?.measures ?? [], session.id)} />;
+  const measures = progress.data?.measures ?? [];
+  return (
+    <Done
+      session={session}
+      repetitions={repetitionsOf(measures, session.id)}
+      value={plainValue(mainMeasure(measures), session.id)}
+    />
+  );
 }
 
 /** Sessions by the day on which they began, newest first. */
 export function byDay(sessions: readonly Session[]): [day: string, sessions: Session[]][] {
-  const begun = (one: Session) => one.started_at ?? one.created_at;
   const days = new Map<string, Session[]>();
   for (const one of [...sessions].sort((a, b) => Date.parse(begun(b)) - Date.parse(begun(a)))) {
     const day = weekday(begun(one));
@@ -83,6 +165,10 @@ function Results({ patientId }: { patientId: string }) {
             </>
           )}
         </Answer>
+        <Calendar
+          at={(sessions.data ?? []).filter((one) => one.state === 'analysed').map(begun)}
+          isWhole={!sessions.hasNextPage}
+        />
         <section className="card">
           <h2>{t('mine.sessions')}</h2>
           <Answer of={sessions} lines={4}>
