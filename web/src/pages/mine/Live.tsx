@@ -140,7 +140,7 @@ function Trouble({ error }: { error: unknown }) {
 }
 
 /** What keeps the pose from being still, by its part; after a while another way to hold it. */
-function Unsteady({ guide }: { guide: CalibrationMessage | null }) {
+export function Unsteady({ guide }: { guide: CalibrationMessage | null }) {
   const [isLong, setLong] = useState(false);
   useEffect(() => {
     const timer = setTimeout(() => setLong(true), ANOTHER_WAY_MS);
