@@ -3,10 +3,12 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from app.assessment.design.dose import Dose
 from app.live.guidance.desk import GuidanceDesk
 from app.live.guidance.taken_up import TakenUp
-from estimators.guidance import CuePace
+from estimators.guidance import CountedRepetition, CuePace
 from estimators.pipelines import FrameLayout, Frames
 from tests.estimators.guidance.conftest import ready
 from tests.said import codes
@@ -28,10 +30,10 @@ def frames(angles: tuple[str, ...]) -> Frames:
     )
 
 
-def desk(told: list) -> GuidanceDesk:
+def desk(told: list, dose: Dose | None = None) -> GuidanceDesk:
     guidance = SimpleNamespace(ready=ready(), valid_share=0.8, rules=(), stops=(), pace=CuePace())
     return GuidanceDesk(
-        SimpleNamespace(guidance=guidance, dose=None),
+        SimpleNamespace(guidance=guidance, dose=dose),
         0.01,
         TakenUp(),
         lambda kind, time_s, *, text="", details=None: told.append((kind, text)),
@@ -55,3 +57,28 @@ def test_a_main_channel_that_is_worn_is_followed():
     guided.see(frames((ready().main,)), is_counting=True, is_live=True)
     assert told == []
     assert guided.is_following
+
+
+def repetition(number: int, kind: str = "valid") -> CountedRepetition:
+    return CountedRepetition(kind, number, 100 * number, 100 * number + 50, (1.0,), 0.0, 1.0)
+
+
+def count_up(guided: GuidanceDesk, numbers: range) -> None:
+    for number in numbers:
+        guided._count(repetition(number), float(number), number + 0.5)
+
+
+@pytest.mark.parametrize("before", [0, 2], ids=["within the session", "in an earlier one"])
+def test_it_goes_on_to_count_when_the_goal_of_the_day_is_reached(before) -> None:
+    told: list = []
+    guided = desk(told, Dose(goal=2, set_valid=2, before=before))
+    if not before:
+        count_up(guided, range(1, 3))
+        assert (guided.obey("resume").counts.valid, guided.message.cause) == (2, "")
+        assert [kind for kind, _ in told].count("guidance_stop") == 1
+    first = guided.message.counts.valid
+    count_up(guided, range(3, 10))
+    # Of her own accord: nothing holds her up, and nothing is left out.
+    assert guided.obey("resume").counts.valid == first + 7
+    assert guided.message.status != "stopped"
+    assert [kind for kind, _ in told].count("guidance_stop") == (0 if before else 1)
