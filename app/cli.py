@@ -18,7 +18,9 @@ from app.commands.options.tables import mapping, upload
 from app.commands.options.words import (
     Guess,
     Mapping,
+    NewPassword,
     OutFolder,
+    PasswordFile,
     Port,
     Pose,
     Rate,
@@ -128,13 +130,16 @@ def create_clinic(
     clinic: Annotated[str, typer.Argument(help="Name of the clinic.")],
     email: Annotated[str, typer.Option(help="E-mail of its first administrator.")],
     name: Annotated[str, typer.Option(help="Name of that person.")],
-    password: Annotated[
-        str, typer.Option(help="Their password; asked for when absent.", prompt=True, hide_input=True)
-    ],
+    password: NewPassword = "",
+    password_file: PasswordFile = None,
 ) -> None:
-    """Create a clinic and its first administrator, on the server's own machine."""
+    """Create a clinic and its first administrator, on the server's own machine; asks for the password."""
     from app.commands import store as command
 
+    if password_file is not None:
+        password = password_file.read_text("utf-8").partition("\n")[0].rstrip("\r")
+    elif not password:
+        password = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
     command.create_clinic(clinic, email, name, password)
 
 

@@ -42,6 +42,7 @@ from app.edge.demonstration import router as demonstration_router
 from app.edge.documentation import router as documentation_router
 from app.edge.health import router as health_router
 from app.edge.health import service_version
+from app.edge.hosts import KnownHosts
 from app.edge.metrics import router as metrics_router
 from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors, WholeAddresses
 from app.edge.readiness import Readiness, storing_checks
@@ -153,6 +154,7 @@ def create_app(
     )
     app.add_middleware(WholeAddresses)
     app.add_middleware(UnexpectedErrors)
+    app.add_middleware(KnownHosts, settings=settings)
     app.add_middleware(SecurityHeaders, settings=settings)
     app.add_middleware(AccessLog)
     for router in (*first_routers, *all_routers()):

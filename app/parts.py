@@ -166,15 +166,15 @@ class _WorkerOpening:
         services.add(_observe_worker(services, worker, shared))
         transport = httpx.ASGITransport(app=self._app())
         # Edges ask as soon as a partition is held: by then everything is open.
-        await worker.start(partial(answer, transport))
+        await worker.start(partial(answer, transport, settings.base_url))
         stack.push_async_callback(worker.stop)
         return services
 
 
-async def answer(transport: httpx.ASGITransport, request: Request) -> Answer:
+async def answer(transport: httpx.ASGITransport, base_url: str, request: Request) -> Answer:
     """Answer a request that an edge passes on, as if it had come here."""
     transport.client = request.client
-    async with httpx.AsyncClient(transport=transport, base_url="http://worker", trust_env=False) as client:
+    async with httpx.AsyncClient(transport=transport, base_url=base_url, trust_env=False) as client:
         response = await client.request(
             request.method, request.target, headers=request.headers, content=request.body
         )

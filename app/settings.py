@@ -89,6 +89,11 @@ class Settings(BaseSettings):
         default="http://127.0.0.1:8000",
         description="Address that browsers use; decides Origin checks and Secure cookies.",
     )
+    allowed_hosts: str = Field(
+        default="",
+        description="Further names under which requests come in, separated by commas; others than these and that of"
+        " TELEMOTION_BASE_URL are refused.",
+    )
     secret_key: SecretStr = Field(
         default=SecretStr(""),
         description="At least 32 random characters; signs device tokens. Changing it ends all device tokens.",

@@ -15,6 +15,7 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocket
 
+from app.accounts.credentials.cookies import shown_cookie
 from app.accounts.credentials.sign_in import (
     COOKIE,
     FoundSignIn,
@@ -42,8 +43,8 @@ def is_own_origin(settings: Settings, connection: HTTPConnection) -> bool:
     Parameters
     ----------
     settings : Settings
-        `base_url` is the only origin; a demonstration or a service on this machine's own address also accepts
-        the address it was called by, so `localhost` and `127.0.0.1` both work.
+        `base_url` is the only origin; a service on this machine's own address also accepts the address it was called
+        by, so `localhost` and `127.0.0.1` both work (`app.edge.hosts` lets no other name in).
     connection : Request or WebSocket
     """
     origin = connection.headers.get("origin")
@@ -51,7 +52,7 @@ def is_own_origin(settings: Settings, connection: HTTPConnection) -> bool:
         return False
     if origin == settings.base_url:
         return True
-    if settings.is_https or not (settings.demo or settings.is_loopback):
+    if settings.is_https or not settings.is_loopback:
         return False
     parts = urlsplit(origin)
     return parts.scheme == "http" and parts.netloc == connection.headers.get("host")
@@ -88,7 +89,7 @@ def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
         A change without the CSRF token or from another origin, or a socket from another origin.
     """
     services = services_of(connection)
-    cookie = connection.cookies.get(COOKIE)
+    cookie = shown_cookie(services.settings, connection, COOKIE)
     if not cookie:
         raise SignInRequired(say("sign_in.required"))
     with read_only(services.engine) as session:

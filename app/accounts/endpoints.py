@@ -5,6 +5,7 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from app.accounts import administration, clinics, service
 from app.accounts.credentials import browsers, second_factor
+from app.accounts.credentials.cookies import set_cookie, shown_cookie
 from app.accounts.credentials.sign_in import COOKIE, choose_locale, end_sign_in, me
 from app.accounts.dependencies import (
     CurrentAccount,
@@ -20,18 +21,17 @@ from app.accounts.schemas import (
     ClinicPatch,
     Me,
     MePatch,
+    OwnPassword,
     PasswordIn,
     RecoveryCodes,
     SecondFactorConfirm,
     SecondFactorOut,
-    SecondFactorRemove,
     SecondFactorSetup,
     SignInRequest,
 )
 from app.database.dependencies import ReadSession, WriteSession
 from app.pages import WantedPage
 from app.services import services_of
-from app.settings import Settings
 
 router = APIRouter(prefix="/api", tags=["accounts"])
 
@@ -52,22 +52,24 @@ async def sign_in(body: SignInRequest, request: Request, response: Response) -> 
     services = services_of(request)
     address = _address(request)
     agent = request.headers.get("user-agent", "")
-    browser = request.cookies.get(browsers.COOKIE)
+    settings = services.settings
+    browser = shown_cookie(settings, request, browsers.COOKIE)
+    old_token = shown_cookie(settings, request, COOKIE)
     account_id = await service.check_password(services, body, address, browser)
     token, known, found = await to_thread.run_sync(
-        service.open_sign_in, services, account_id, agent, request.cookies.get(COOKIE), browser
+        service.open_sign_in, services, account_id, agent, old_token, browser
     )
-    _set_cookie(response, services.settings, COOKIE, token, services.settings.sign_in_hours * 3600)
-    _set_cookie(response, services.settings, browsers.COOKIE, known, int(browsers.LIFE.total_seconds()))
+    set_cookie(response, settings, COOKIE, token, settings.sign_in_hours * 3600)
+    set_cookie(response, settings, browsers.COOKIE, known, int(browsers.LIFE.total_seconds()))
     return found
 
 
 @router.post("/sign-out", status_code=204)
 def sign_out(current: CurrentSignIn, request: Request, response: Response, session: WriteSession) -> None:
     """End this browser session."""
-    end_sign_in(session, request.cookies.get(COOKIE, ""))
     settings = services_of(request).settings
-    response.delete_cookie(COOKIE, path="/", secure=settings.is_https, httponly=True, samesite="lax")
+    end_sign_in(session, shown_cookie(settings, request, COOKIE) or "")
+    set_cookie(response, settings, COOKIE, "", 0)
 
 
 @router.get("/me")
@@ -89,7 +91,7 @@ async def change_password(body: PasswordIn, current: CurrentSignIn, request: Req
     Errors: `invalid_input` with the field when the current password is wrong or the new one is too short or the same,
     `too_many_attempts` with Retry-After.
     """
-    browser = request.cookies.get(browsers.COOKIE)
+    browser = shown_cookie(services_of(request).settings, request, browsers.COOKIE)
     await service.change_password(services_of(request), current, body, _address(request), browser)
 
 
@@ -100,12 +102,16 @@ def read_second_factor(current: CurrentSignIn, session: ReadSession) -> SecondFa
 
 
 @router.post("/me/second-factor", responses={409: {}})
-def begin_second_factor(current: CurrentSignIn, session: WriteSession) -> SecondFactorSetup:
-    """Get a secret for an authenticator app; it counts once a code of the app was sent to `confirm`.
+async def begin_second_factor(
+    body: OwnPassword, current: CurrentSignIn, request: Request
+) -> SecondFactorSetup:
+    """Get a secret for an authenticator app, with the own password; it counts once a code of the app was sent to
+    `confirm`.
 
-    Errors: `conflict` when one is in force.
+    Errors: `invalid_input` when the password is wrong, `too_many_attempts` with Retry-After, `conflict` when one is in
+    force.
     """
-    return second_factor.begin(session, current.subject)
+    return await service.begin_second_factor(services_of(request), current, body.password, _address(request))
 
 
 @router.post("/me/second-factor/confirm", responses={409: {}})
@@ -120,7 +126,7 @@ def confirm_second_factor(
 
 
 @router.post("/me/second-factor/remove", status_code=204)
-async def remove_second_factor(body: SecondFactorRemove, current: CurrentSignIn, request: Request) -> None:
+async def remove_second_factor(body: OwnPassword, current: CurrentSignIn, request: Request) -> None:
     """Turn the second factor off, with the own password.
 
     Errors: `invalid_input` when it is wrong, `too_many_attempts` with Retry-After.
@@ -183,15 +189,3 @@ def change_clinic(
 
 def _address(request: Request) -> str:
     return request.client.host if request.client else "unknown"
-
-
-def _set_cookie(response: Response, settings: Settings, name: str, value: str, life_s: int) -> None:
-    response.set_cookie(
-        name,
-        value,
-        max_age=life_s,
-        path="/",
-        secure=settings.is_https,
-        httponly=True,
-        samesite="lax",
-    )

@@ -40,6 +40,11 @@ class Me(Schema):
     """What has to be done before anything else is answered: change the password, or set up the second factor."""
     second_factor_removed_at: datetime | None = None
     """When an administrator turned two-step sign-in off; until the person has read it or set it up again."""
+    second_factor_since: datetime | None = None
+    """Since when an authenticator app is asked for: every browser of the person says so for some weeks."""
+    store_key: str
+    """Seals what this account leaves unsent in a browser, base64 of 32 bytes; forgotten with the sign-in, and the same
+    at the next."""
     idle_minutes: int
     """The browser session ends after so long without use."""
 
@@ -72,8 +77,8 @@ class SecondFactorConfirm(Schema):
     code: str = Field(max_length=40)
 
 
-class SecondFactorRemove(Schema):
-    """The own password."""
+class OwnPassword(Schema):
+    """The own password, for what an open browser alone must not do."""
 
     password: str = Field(max_length=200)
 

@@ -8,7 +8,7 @@ from app.accounts.credentials.browsers import known_browser, remember_browser
 from app.accounts.credentials.password_change import replace_password
 from app.accounts.credentials.password_rules import check_password as check_password_rules
 from app.accounts.credentials.passwords import Passwords
-from app.accounts.credentials.rate_limit import SignInLimits
+from app.accounts.credentials.rate_limit import Attempt, SignInLimits
 from app.accounts.credentials.sign_in import (
     FoundSignIn,
     create_sign_in,
@@ -20,7 +20,7 @@ from app.accounts.credentials.sign_in import (
 from app.accounts.credentials.tickets import account_subject
 from app.accounts.models import Account
 from app.accounts.refusals import RefusedSignIns
-from app.accounts.schemas import Me, PasswordIn, SignInRequest
+from app.accounts.schemas import Me, PasswordIn, SecondFactorSetup, SignInRequest
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import CodeRequired, Conflict, InvalidInput, SignInRequired
 from app.sentences import say
@@ -54,7 +54,7 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
         Too many sign-ins wait already.
     """
     email = normalise_email(wanted.email)
-    known = await to_thread.run_sync(_attempt, services, email, address, browser)
+    attempt = await to_thread.run_sync(_attempt, services, email, address, browser)
     account_id, password_hash = await to_thread.run_sync(_look_up, services, email)
     fits = await services.get(Passwords).verify_in_turn(password_hash, wanted.password)
     if not fits or account_id is None:
@@ -65,7 +65,7 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
     if has_second is False:
         services.get(RefusedSignIns).note(email)
         raise SignInRequired(say("sign_in.code_wrong"), field="code")
-    await to_thread.run_sync(services.get(SignInLimits).succeeded, email, address, known)
+    await to_thread.run_sync(attempt.succeeded)
     if has_second is None:
         raise CodeRequired(say("sign_in.code_needed"), field="code")
     if password_hash is not None and services.get(Passwords).needs_rehash(password_hash):
@@ -74,12 +74,11 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
     return account_id
 
 
-def _attempt(services: Services, email: str, address: str, browser: str | None) -> str | None:
-    """Count an attempt; return the key of a browser that has signed in before."""
+def _attempt(services: Services, email: str, address: str, browser: str | None) -> Attempt:
+    """Count an attempt, of a browser that has signed in before or of a stranger."""
     with read_only(services.engine) as session:
         known = known_browser(session, email, browser)
-    services.get(SignInLimits).attempt(email, address, known)
-    return known
+    return services.get(SignInLimits).attempt(email, address, known)
 
 
 def _check_code(services: Services, account_id: str, code: str | None) -> bool | None:
@@ -121,6 +120,38 @@ def open_sign_in(
         return token, browser, me(session, services.settings, account_id, row.csrf_token)
 
 
+async def begin_second_factor(
+    services: Services, current: FoundSignIn, password: str, address: str
+) -> SecondFactorSetup:
+    """Begin an own second factor: who finds a browser open must not lock its owner out.
+
+    Parameters
+    ----------
+    services : Services
+    current : FoundSignIn
+    password : str
+        The own one.
+    address : str
+        Of the client.
+
+    Raises
+    ------
+    InvalidInput
+        The password is wrong.
+    TooManyAttempts
+        After too many wrong ones.
+    Conflict
+        One is in force already.
+    """
+    await _require_password(services, current, password, address, "password")
+
+    def begin() -> SecondFactorSetup:
+        with unit_of_work(services.engine) as session:
+            return second_factor.begin(session, current.subject)
+
+    return await to_thread.run_sync(begin)
+
+
 async def remove_second_factor(services: Services, current: FoundSignIn, password: str, address: str) -> None:
     """Turn the own second factor off.
 
@@ -155,11 +186,12 @@ async def _require_password(
     """Return the hash of the own password when it was typed rightly."""
     # Who is signed in has a budget apart from strangers.
     own = f"signed in {current.subject.id}"
-    email, password_hash = await to_thread.run_sync(_own_attempt, services, current.subject.id, address, own)
+    account, attempt = await to_thread.run_sync(_own_attempt, services, current.subject.id, address, own)
+    password_hash = account.password_hash
     if not await services.get(Passwords).verify_in_turn(password_hash, password):
-        services.get(RefusedSignIns).note(email)
+        services.get(RefusedSignIns).note(account.email)
         raise InvalidInput(say("account.password_wrong"), field=field)
-    await to_thread.run_sync(services.get(SignInLimits).succeeded, email, address, own)
+    await to_thread.run_sync(attempt.succeeded)
     return password_hash
 
 
@@ -213,12 +245,12 @@ def _store_hash(services: Services, account_id: str, password_hash: str) -> None
         session.get_one(Account, account_id).password_hash = password_hash
 
 
-def _own_attempt(services: Services, account_id: str, address: str, own: str) -> tuple[str, str | None]:
-    """Count an attempt at the own password; return address and hash."""
+def _own_attempt(services: Services, account_id: str, address: str, own: str) -> tuple[Account, Attempt]:
+    """Count an attempt at the own password; return the account and the attempt."""
     with read_only(services.engine) as session:
         row = session.get_one(Account, account_id)
-    services.get(SignInLimits).attempt(row.email, address, own)
-    return row.email, row.password_hash
+        session.expunge(row)
+    return row, services.get(SignInLimits).attempt(row.email, address, own)
 
 
 def _replace_hash(

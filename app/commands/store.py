@@ -11,6 +11,7 @@ from sqlalchemy import select
 
 from app import tables as tables
 from app.accounts import audit
+from app.accounts.credentials.password_rules import check_password
 from app.accounts.credentials.passwords import Passwords
 from app.accounts.credentials.sign_in import normalise_email
 from app.accounts.models import Account, Clinic
@@ -32,8 +33,6 @@ from app.recordings.models import MotionSession
 from app.recordings.schemas import ReprocessIn
 from app.scaled import backup as whole
 from app.settings import Settings
-
-MINIMUM_PASSWORD_LENGTH = 10
 
 
 def migrate() -> None:
@@ -181,12 +180,11 @@ def create_clinic(name: str, email: str, person: str, password: str) -> None:
     Raises
     ------
     InvalidInput
-        The password is too short or the address is none.
+        The password is too easy to guess or the address is none.
     Conflict
         The address is taken.
     """
-    if len(password) < MINIMUM_PASSWORD_LENGTH:
-        raise InvalidInput(f"the password needs at least {MINIMUM_PASSWORD_LENGTH} characters")
+    check_password(password, email, person)
     address = normalise_email(email)
     if address.count("@") != 1 or address.startswith("@") or address.endswith("@"):
         raise InvalidInput("the e-mail address needs a name, an @ and a host")

@@ -38,8 +38,9 @@ _MEANING: Final = {
     503: "Storage does not answer, or the service is shutting down; `Retry-After` says when to try again.",
 }
 _WITH_RETRY: Final = frozenset({429, 503})
+_COOKIE_SET: Final = "Set by /api/sign-in; its name begins with `__Host-` over https."
 _SECURITY: Final = {
-    "browser": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "Set by /api/sign-in."},
+    "browser": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": _COOKIE_SET},
     "device": {
         "type": "http",
         "scheme": "bearer",

@@ -15,6 +15,7 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
+from app.accounts.credentials.cookies import shown_cookie
 from app.accounts.credentials.sign_in import COOKIE
 from app.accounts.dependencies import shown_token, websocket_subject
 from app.accounts.subject import Subject
@@ -66,7 +67,7 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
 async def _who(websocket: WebSocket, services: Services, session_id: str) -> RightQuestion:
     """Return the question that decides, now and again later, whether this client may watch."""
     engine = services.engine
-    if websocket.cookies.get(COOKIE) or shown_token(websocket)[1]:
+    if shown_cookie(services.settings, websocket, COOKIE) or shown_token(websocket)[1]:
         subject = await websocket_subject(websocket)
     else:
         subject = await _subject_of_ticket(websocket, services, session_id)

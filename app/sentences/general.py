@@ -12,6 +12,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.no_json": "The body cannot be read as JSON.",
     "edge.no_such_address": "There is nothing at this address.",
     "edge.no_such_page": "This is not a page of this list; read the list from its beginning.",
+    "edge.host": "This service has another name; open it by its own address.",
     "edge.query_nul": "The query must not hold a NUL; remove %00.",
     "edge.metrics": "Metrics are for the operator of the service: set TELEMOTION_METRICS_TOKEN and send it as"
     " `Authorization: Bearer`.",

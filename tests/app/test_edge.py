@@ -8,12 +8,15 @@ import shutil
 import pytest
 from fastapi import APIRouter
 from sqlalchemy.exc import OperationalError
+from starlette.websockets import WebSocketDisconnect
 
+from app.accounts.models import Account
+from app.database.unit_of_work import read_only
 from app.errors import TelemotionError, Unavailable
 from app.main import create_app
 from app.settings import Settings
 
-from .conftest import BASE_URL, ServiceClient
+from .conftest import BASE_URL, PASSWORD, ServiceClient
 
 
 @pytest.fixture
@@ -149,13 +152,51 @@ def test_another_site_cannot_sign_a_browser_in(nobody):
     assert answer.status_code == 403
 
 
-def test_only_a_demonstration_answers_to_every_name_of_this_machine(settings, cheap_passwords, world):
-    origin = {"Origin": "http://other-name:8000", "Host": "other-name:8000"}
+def test_over_https_cookies_are_the_hosts_own(settings, cheap_passwords, world, engine):
+    with read_only(engine) as session:
+        email = session.get(Account, world.accounts["therapist"]).email
+    origin = "https://clinic.example.org"
+    body = {"email": email, "password": PASSWORD}
+    with open_client(settings, cheap_passwords, base_url=origin) as client:
+        answer = client.post("/api/sign-in", json=body, headers={"Origin": origin})
+        cookies = answer.headers.get_list("set-cookie")
+        assert [one.partition("=")[0] for one in cookies] == [
+            "__Host-telemotion_session",
+            "__Host-telemotion_browser",
+        ]
+        for one in cookies:
+            assert "; Secure" in one
+            assert "; Path=/;" in f"{one};"
+            assert "Domain" not in one
+        assert client.get("/api/me").status_code == 200
+        # A neighbour under the same domain can set one without the prefix.
+        value = client.cookies["__Host-telemotion_session"]
+        client.cookies.clear()
+        client.cookies.set("telemotion_session", value)
+        assert client.get("/api/me").status_code == 401
+        client.cookies.clear()
+        client.cookies.set("__Host-telemotion_session", value)
+        headers = {"Origin": origin, "X-CSRF-Token": answer.json()["csrf_token"]}
+        ended = client.post("/api/sign-out", headers=headers)
+        assert ended.headers["set-cookie"].startswith('__Host-telemotion_session=""; ')
+        assert "Max-Age=0" in ended.headers["set-cookie"]
+
+
+@pytest.mark.parametrize("demo", [False, True])
+def test_this_machine_has_several_names_and_a_public_service_one(settings, cheap_passwords, world, demo):
     body = {"email": "a@b.example", "password": "x"}
-    with open_client(settings, cheap_passwords, base_url="https://clinic.example.org") as client:
-        assert client.post("/api/sign-in", json=body, headers=origin).status_code == 403
-    with open_client(settings, cheap_passwords, demo=True) as client:
-        assert client.post("/api/sign-in", json=body, headers=origin).status_code == 401
+
+    def enter(client, name):
+        return client.post(
+            "/api/sign-in", json=body, headers={"Origin": f"http://{name}", "Host": name}
+        ).status_code
+
+    with open_client(settings, cheap_passwords, demo=demo) as client:
+        assert [enter(client, name) for name in ("localhost:8000", "other-name:8000")] == [401, 421]
+    if not demo:
+        with open_client(settings, cheap_passwords, base_url="https://clinic.example.org") as client:
+            assert enter(client, "localhost:8000") == 421
+            assert enter(client, "clinic.example.org") == 403, "not over http"
 
 
 def test_large_bodies_are_refused_by_their_length_and_while_they_come(therapist):
@@ -306,6 +347,47 @@ def test_an_address_longer_than_any_file_name_is_not_found(settings, cheap_passw
         longest = "/" + "a/" * 2040
         assert client.get(longest).status_code == 200, (
             "with the folder of the client it is longer than a path may be"
+        )
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example:8000", "127.0.0.1.evil.example", "localhost.evil", "10.0.0.7", ""]
+)
+def test_a_page_of_another_name_reaches_nothing(nobody, therapist, world, host):
+    """As after DNS rebinding: the attacker's name leads to this machine."""
+    by_address = () if host == "10.0.0.7" else ("/metrics", "/api/health")
+    for path in ("/", f"/api/patients/{world.patient_id}", *by_address):
+        answer = therapist.get(path, headers={"Host": host})
+        assert (answer.status_code, answer.json()["code"]) == (421, "misdirected"), path
+    answer = therapist.post("/api/sign-out", headers={"Host": host, "Origin": f"http://{host}"})
+    assert answer.status_code == 421
+    with pytest.raises(WebSocketDisconnect), nobody.websocket_connect("/ws/ingest", headers={"Host": host}):
+        pass
+
+
+def test_the_own_names_and_health_by_address_are_answered(nobody):
+    for host in ("127.0.0.1:8000", "localhost:9", "[::1]:8000", "demo.localhost", "LOCALHOST"):
+        assert nobody.get("/api/version", headers={"Host": host}).status_code != 421, host
+        assert nobody.get("/metrics", headers={"Host": host}).status_code != 421, host
+    for host in ("10.0.0.7:8000", "[2001:db8::1]"):
+        assert nobody.get("/api/health", headers={"Host": host}).status_code == 200
+
+
+def test_a_public_service_has_its_name_and_those_that_are_allowed(settings, cheap_passwords):
+    changes = {"base_url": "https://clinic.example.org", "allowed_hosts": "edge-1.internal, edge-2.internal"}
+    with open_client(settings, cheap_passwords, **changes) as client:
+        for host, status in (
+            ("clinic.example.org", 200),
+            ("Clinic.example.org.:443", 200),
+            ("edge-2.internal:8000", 200),
+            ("other.example.org", 421),
+            ("127.0.0.1:8000", 421),
+            ("localhost", 421),
+        ):
+            answer = client.get("/api/me", headers={"Host": host})
+            assert answer.status_code == (401 if status == 200 else 421), host
+        assert client.get("/api/health", headers={"Host": "127.0.0.1:8000"}).status_code == 200, (
+            "as Docker asks"
         )
 
 

@@ -7,7 +7,7 @@ with all others when the password changes: then somebody else may have had one.
 
 from datetime import timedelta
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tokens import hash_token, new_token
@@ -44,7 +44,7 @@ def known_browser(session: Session, email: str, token: str | None) -> str | None
 
 
 def remember_browser(session: Session, account_id: str, token: str | None) -> str:
-    """Remember that an account signed in here; return the cookie's value.
+    """Remember that an account signed in here; return the cookie's new value.
 
     Parameters
     ----------
@@ -52,21 +52,22 @@ def remember_browser(session: Session, account_id: str, token: str | None) -> st
         Writing.
     account_id : str
     token : str or None
-        The cookie that the browser has already: one serves all accounts that sign in there.
+        The cookie that the browser has already. It may have been planted there, or read by somebody: a new one takes
+        its place for all accounts that signed in here, and the old one is worth nothing.
     """
-    token = token if token and len(token) == len(new_token()) else new_token()
+    fresh, now = new_token(), utc_now()
     mine = KnownBrowser.account_id == account_id
-    row = session.scalar(select(KnownBrowser).where(mine, KnownBrowser.token_hash == hash_token(token)))
-    if row is None:
-        row = KnownBrowser(account_id=account_id, token_hash=hash_token(token))
-        session.add(row)
-    row.seen_at = utc_now()
+    if token:
+        old = KnownBrowser.token_hash == hash_token(token)
+        session.execute(delete(KnownBrowser).where(mine, old))
+        session.execute(update(KnownBrowser).where(old).values(token_hash=hash_token(fresh)))
+    session.add(KnownBrowser(account_id=account_id, token_hash=hash_token(fresh), seen_at=now))
     session.flush()
     newest = (
         select(KnownBrowser.id).where(mine).order_by(KnownBrowser.seen_at.desc()).limit(MOST_OF_AN_ACCOUNT)
     )
     session.execute(delete(KnownBrowser).where(mine, KnownBrowser.id.not_in(newest)))
-    return token
+    return fresh
 
 
 def forget_browsers(session: Session, account_id: str, but: str | None = None) -> None:

@@ -1,5 +1,6 @@
 """Passwords that are too easy to guess, refused with what is wrong with them."""
 
+import re
 from itertools import pairwise
 
 from app.errors import InvalidInput
@@ -14,6 +15,20 @@ therapist therapist1 patient123 1q2w3e4r5t 1qaz2wsx3edc zaq12wsx q1w2e3r4t5 asdf
 secret1234 mypassword summer2024 summer2025 summer2026 winter2024 winter2025 winter2026
 """
 _COMMON = frozenset(_TRIED_FIRST.split())
+_WORDS = """
+password passwort kennwort passphrase letmein welcome willkommen hallo hello administrator admin changeme sunshine
+princess football fussball baseball superman whatever starwars dragon monkey secret geheim schatz liebe love iloveyou
+spring summer autumn fall winter fruehling frühling sommer herbst january february march april june july august
+september october november december januar februar maerz märz juni juli oktober dezember monday tuesday wednesday
+thursday friday saturday sunday montag dienstag mittwoch donnerstag freitag samstag sonntag telemotion rehabilitation
+physiotherapy physiotherapie therapist therapeut therapie therapy patient klinik clinic hospital krankenhaus praxis
+qwerty qwertz test login master user
+"""
+_EASY = re.compile(f"(?:my|mein)?(?:{'|'.join(sorted(_WORDS.split(), key=len, reverse=True))}){{1,2}}")
+"""One or two of the words that are tried first, whatever follows them in figures and signs."""
+_LEET = str.maketrans(
+    {"@": "a", "4": "a", "3": "e", "0": "o", "$": "s", "5": "s", "7": "t", "1": "i", "!": "i"}
+)
 _ROWS = (
     "abcdefghijklmnopqrstuvwxyz",
     "01234567890123456789",
@@ -42,7 +57,7 @@ def check_password(password: str, *own: str, field: str = "password") -> None:
     letters = "".join(letter for letter in plain if letter.isalnum())
     if len(password) < LEAST:
         problem = say("password.short", least=LEAST)
-    elif plain in _COMMON or letters.rstrip("0123456789") in _COMMON:
+    elif plain in _COMMON or letters.rstrip("0123456789") in _COMMON or _is_word_with_trimmings(plain):
         problem = say("password.common")
     elif len(set(plain)) < 5 or _repeats(letters):
         problem = say("password.repeats")
@@ -53,6 +68,19 @@ def check_password(password: str, *own: str, field: str = "password") -> None:
     else:
         return
     raise InvalidInput(problem, field=field)
+
+
+def _is_word_with_trimmings(plain: str) -> bool:
+    """Return whether a password is an easy word with figures and signs around it or in place of letters."""
+    core = re.sub(r"[\W\d_]+$", "", plain)
+    for number_one in "il":
+        letters = core.translate(_LEET | {ord("1"): number_one})
+        if _EASY.fullmatch(re.sub(r"[\W\d_]", "", letters)):
+            return True
+        # Figures before it are a year, not letters.
+        if _EASY.fullmatch(re.sub(r"[\W_]", "", re.sub(r"^[\W\d_]+", "", core).translate(_LEET))):
+            return True
+    return False
 
 
 def _repeats(text: str) -> bool:

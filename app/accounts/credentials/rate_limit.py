@@ -2,7 +2,8 @@
 (`app.accounts.credentials.stored_limit`).
 
 A browser that has signed in to the account before has a budget of its own (`app.accounts.credentials.browsers`), so
-that the failures of strangers, however many, do not lock its owner out; a stranger cannot have that budget.
+that the failures of strangers, however many, do not lock its owner out; a stranger cannot have that budget. Who has no
+such browser yet has some tries of the own address, which strangers elsewhere cannot use up either.
 
 Each key has a level that every attempt raises by one and that time lowers steadily; above the capacity an
 attempt is refused with the time after which the next one is allowed. An attempt is counted before its
@@ -43,6 +44,11 @@ class Limit:
 
 
 PER_ACCOUNT = Limit(capacity=8, recovery_s=60.0)
+"""Of a known browser, and of who is signed in."""
+OWN_TRIES = Limit(capacity=3, recovery_s=600.0)
+"""Of each address for each account, whatever others do: nobody is locked out from elsewhere."""
+STRANGERS = Limit(capacity=5, recovery_s=60.0)
+"""Of all strangers to an account together, beyond the tries of their own."""
 PER_ADDRESS = Limit(capacity=30, recovery_s=20.0)
 """Wider: a whole clinic may share one address."""
 
@@ -135,8 +141,8 @@ class SignInLimits:
 
     Parameters
     ----------
-    per_account, per_address : Limit
-        `per_account` holds for all strangers together, and for each known browser.
+    per_account, per_address, own_tries, strangers : Limit
+        See above.
     counting : Counting
         By default in this process.
     """
@@ -146,11 +152,16 @@ class SignInLimits:
         per_account: Limit = PER_ACCOUNT,
         per_address: Limit = PER_ADDRESS,
         counting: Counting = LeakyCounter,
+        *,
+        own_tries: Limit = OWN_TRIES,
+        strangers: Limit = STRANGERS,
     ) -> None:
         self._accounts = counting(per_account)
         self._addresses = counting(per_address)
+        self._own_tries = counting(own_tries)
+        self._strangers = counting(strangers)
 
-    def attempt(self, email: str, address: str, browser: str | None = None) -> None:
+    def attempt(self, email: str, address: str, browser: str | None = None) -> "Attempt":
         """Count an attempt before its password is checked; may block.
 
         Parameters
@@ -167,32 +178,50 @@ class SignInLimits:
         TooManyAttempts
             With `retry_after_s`.
         """
-        counters = self._counters(email, address, browser)
-        for number, (counter, key) in enumerate(counters):
-            wait = counter.take(key)
-            if wait > 0.0:
-                for taken, its_key in counters[:number]:
-                    taken.give_back(its_key)
-                seconds = math.ceil(wait)
-                raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
-
-    def succeeded(self, email: str, address: str, browser: str | None = None) -> None:
-        """Take the attempt back: only failures count; may block.
-
-        Parameters
-        ----------
-        email, address, browser : str
-            As for `attempt`.
-        """
-        for counter, key in self._counters(email, address, browser):
-            counter.give_back(key)
-
-    def _counters(self, email: str, address: str, browser: str | None) -> list[tuple[Counter, str]]:
-        account = hash_token(email)
+        account, network = hash_token(email), network_of(address)
         if browser is not None:
             # Not by address either: a stranger may sit in the same house.
-            return [(self._accounts, f"{account} {browser}")]
-        return [(self._addresses, network_of(address)), (self._accounts, account)]
+            return Attempt([self._taken([(self._accounts, f"{account} {browser}")])])
+        of_address = self._taken([(self._addresses, network)])
+        try:
+            of_account = self._taken([(self._own_tries, f"{account} {network}"), (self._strangers, account)])
+        except TooManyAttempts:
+            Attempt([of_address]).succeeded()
+            raise
+        return Attempt([of_address, of_account])
+
+    @staticmethod
+    def _taken(budgets: "list[Budget]") -> "Budget":
+        """Return the first budget that still allowed an attempt, which is counted there; raises without one."""
+        waits = []
+        for counter, key in budgets:
+            waits.append(counter.take(key))
+            if waits[-1] <= 0.0:
+                return counter, key
+        seconds = math.ceil(min(waits))
+        raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
+
+
+Budget = tuple[Counter, str]
+"""A counter and the key in it."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A counted attempt.
+
+    Attributes
+    ----------
+    budgets : list of Budget
+        Where it was counted.
+    """
+
+    budgets: list[Budget]
+
+    def succeeded(self) -> None:
+        """Take it back: only failures count; may block."""
+        for counter, key in self.budgets:
+            counter.give_back(key)
 
 
 def network_of(address: str) -> str:

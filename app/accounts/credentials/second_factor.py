@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.credentials import totp
+from app.accounts.credentials.tickets import account_subject
 from app.accounts.credentials.tokens import hash_token
 from app.accounts.models import Account
 from app.accounts.schemas import SecondFactorOut, SecondFactorSetup
@@ -130,6 +131,9 @@ def use(session: Session, account: Account, code: str) -> bool:
     if typed not in account.recovery_hashes:
         return False
     account.recovery_hashes = [one for one in account.recovery_hashes if one != typed]
+    left = {"left": len(account.recovery_hashes)}
+    acting = account_subject(account)
+    audit.record(session, acting, "account.recovery_code", account.patient_id, account.id, left)
     return True
 
 

@@ -1,5 +1,6 @@
 """Browser sessions: made by sign-in, found again by the cookie, ended by sign-out, idleness or age."""
 
+import base64
 from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
@@ -319,5 +320,7 @@ def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -
         csrf_token=csrf_token,
         must=must_first(settings, account),
         second_factor_removed_at=account.totp_removed_at,
+        second_factor_since=account.totp_since,
+        store_key=base64.b64encode(settings.key_for(f"browser-store/{account.id}")).decode(),
         idle_minutes=settings.sign_in_idle_minutes,
     )

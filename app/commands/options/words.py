@@ -12,9 +12,53 @@ Server = Annotated[str, typer.Option(help="Address of the service.", envvar="TEL
 Email = Annotated[
     str, typer.Option(help="E-mail of an account that may treat the patient.", envvar="TELEMOTION_EMAIL")
 ]
+
+
+def _shows(context: typer.Context, parameter: typer.CallbackParam) -> bool:
+    """Return whether a value stands on the command line, where the list of processes shows it to everybody."""
+    source = context.get_parameter_source(parameter.name or "")
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _warn_of_a_shown_password(context: typer.Context, parameter: typer.CallbackParam, value: str) -> str:
+    if value and _shows(context, parameter):
+        typer.echo(
+            "the list of processes shows --password to everybody on this machine; set TELEMOTION_PASSWORD instead",
+            err=True,
+        )
+    return value
+
+
+def _refuse_a_shown_password(context: typer.Context, parameter: typer.CallbackParam, value: str) -> str:
+    if value and _shows(context, parameter):
+        raise typer.BadParameter(
+            "it would show in the list of processes; leave it out to be asked, set TELEMOTION_PASSWORD, or name a file"
+            " with --password-file"
+        )
+    return value
+
+
 Password = Annotated[
-    str, typer.Option(help="Its password; better given by TELEMOTION_PASSWORD.", envvar="TELEMOTION_PASSWORD")
+    str,
+    typer.Option(
+        help="Its password; better given by TELEMOTION_PASSWORD.",
+        envvar="TELEMOTION_PASSWORD",
+        callback=_warn_of_a_shown_password,
+    ),
 ]
+NewPassword = Annotated[
+    str,
+    typer.Option(
+        help="Refused, because it would show; TELEMOTION_PASSWORD is read.",
+        envvar="TELEMOTION_PASSWORD",
+        callback=_refuse_a_shown_password,
+    ),
+]
+PasswordFile = Annotated[
+    Path | None,
+    typer.Option(help="File whose first line is the password.", exists=True, dir_okay=False, readable=True),
+]
+
 RecordingFile = Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)]
 OutFolder = Annotated[Path, typer.Option(help="Folder for the results; made when absent.")]
 RecordingFormat = Annotated[

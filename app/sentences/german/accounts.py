@@ -375,6 +375,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "edge.no_such_address": "Unter dieser Adresse gibt es nichts.",
     "edge.no_such_file": "Diese Datei gibt es nicht.",
     "edge.no_such_page": "Das ist keine Seite dieser Liste; lesen Sie die Liste von Anfang an.",
+    "edge.host": "Dieser Dienst heißt anders; öffnen Sie ihn unter seiner eigenen Adresse.",
     "edge.query_nul": "Die Abfrage darf kein NUL enthalten; entfernen Sie %00.",
     "edge.unexpected": "Im Dienst ist etwas schiefgegangen; der Fehler wurde festgehalten.",
     "exercise.angle": "Der Hauptwinkel ist kein Gelenkwinkel der Seite {side:side}; wählen Sie einen aus der"

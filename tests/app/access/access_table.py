@@ -137,7 +137,13 @@ LINES: tuple[Line, ...] = (
         note="(cookies only)",
     ),
     Line("GET", "/api/me/second-factor", "signed_in", note="(cookies only)"),
-    Line("POST", "/api/me/second-factor", "signed_in", note="(cookies only)"),
+    Line(
+        "POST",
+        "/api/me/second-factor",
+        "signed_in",
+        body={"password": PASSWORD},
+        note="(cookies only)",
+    ),
     Line(
         "POST",
         "/api/me/second-factor/confirm",

@@ -94,44 +94,56 @@ def test_edges_count_together_also_at_once_and_what_is_over_is_deleted(counting)
 
 @in_databases
 def test_failed_sign_ins_count_at_every_edge(counting):
-    edges = [SignInLimits(Limit(4, 1e6), Limit(6, 1e6), partial(counting, clock=Clock())) for _ in range(2)]
+    own, strangers = Limit(1, 1e6), Limit(3, 1e6)
+    edges = [limits(partial(counting, clock=Clock()), 6, own=own, strangers=strangers) for _ in range(2)]
     for number in range(4):
         edges[number % 2].attempt("a@b", "10.0.0.1")
-    for edge in edges:
+    for number, edge in enumerate(edges):
         with pytest.raises(TooManyAttempts):
-            edge.attempt("a@b", "10.0.0.2")
+            edge.attempt("a@b", "10.0.0.1")
+        edge.attempt("a@b", f"10.0.{number}.2")
+        with pytest.raises(TooManyAttempts):
+            edges[1 - number].attempt("a@b", f"10.0.{number}.2")
     edges[0].attempt("a@b", "10.0.0.2", "a browser that is known")
-    for number in range(2):
-        edges[number].attempt(f"{number}@c", "10.0.0.1")
+    tried = [edges[number].attempt(f"{number}@c", "10.0.0.1") for number in range(2)]
     with pytest.raises(TooManyAttempts):
         edges[0].attempt("another@c", "10.0.0.1")
-    edges[1].succeeded("1@c", "10.0.0.1")
+    tried[1].succeeded()
     edges[0].attempt("another@c", "10.0.0.1")
+
+
+TWO, ONE = Limit(2, 1e6), Limit(1, 1e6)
+
+
+def limits(counting, address, own=TWO, strangers=ONE):
+    return SignInLimits(Limit(4, 1e6), Limit(address, 1e6), counting, own_tries=own, strangers=strangers)
 
 
 @everywhere
 def test_success_takes_its_attempt_back(counting):
-    limits = SignInLimits(Limit(2, 1e6), Limit(100, 1e6), partial(counting, clock=Clock()))
+    one = limits(partial(counting, clock=Clock()), 100)
     for _ in range(50):
-        limits.attempt("a@b", "10.0.0.1")
-        limits.succeeded("a@b", "10.0.0.1")
-    limits.attempt("a@b", "10.0.0.1")
-    limits.attempt("a@b", "10.0.0.2")
-    with pytest.raises(TooManyAttempts):
-        limits.attempt("a@b", "10.0.0.3")
+        one.attempt("a@b", "10.0.0.1").succeeded()
+    for _ in range(2):
+        one.attempt("a@b", "10.0.0.1")
+        one.attempt("a@b", "10.0.0.2")
+    one.attempt("a@b", "10.0.0.1")
+    for address in ("10.0.0.1", "10.0.0.2"):
+        with pytest.raises(TooManyAttempts):
+            one.attempt("a@b", address)
 
 
 def test_one_household_is_one_address():
-    limits = SignInLimits(Limit(1000, 1e6), Limit(2, 1e6), partial(LeakyCounter, clock=Clock()))
-    limits.attempt("a@b", "2001:db8:1:2::1")
-    limits.attempt("b@b", "2001:db8:1:2:ffff::1")
+    one = limits(partial(LeakyCounter, clock=Clock()), 2, own=Limit(1000, 1e6))
+    one.attempt("a@b", "2001:db8:1:2::1")
+    one.attempt("b@b", "2001:db8:1:2:ffff::1")
     with pytest.raises(TooManyAttempts):
-        limits.attempt("c@b", "2001:db8:1:2:3:4:5:6")
-    limits.attempt("c@b", "2001:db8:1:3::1")
-    limits.attempt("a@b", "10.0.0.1")
-    limits.attempt("a@b", "::ffff:10.0.0.1")
+        one.attempt("c@b", "2001:db8:1:2:3:4:5:6")
+    one.attempt("c@b", "2001:db8:1:3::1")
+    one.attempt("a@b", "10.0.0.1")
+    one.attempt("a@b", "::ffff:10.0.0.1")
     with pytest.raises(TooManyAttempts):
-        limits.attempt("a@b", "10.0.0.1")
+        one.attempt("a@b", "10.0.0.1")
 
 
 def test_an_account_is_protected_and_the_right_password_waits_too(nobody, world, engine):

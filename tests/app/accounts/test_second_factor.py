@@ -27,7 +27,7 @@ def email(world, engine) -> str:
 @pytest.fixture
 def enrolled(therapist) -> tuple[str, list[str]]:
     """Secret and recovery codes of the therapist, whose telephone has just shown the code of the step before."""
-    secret = therapist.post("/api/me/second-factor").json()["secret"]
+    secret = therapist.post("/api/me/second-factor", json={"password": PASSWORD}).json()["secret"]
     # A step that ends while the code is on its way makes it too old.
     left_s = totp.STEP_S - time.time() % totp.STEP_S
     if left_s < 2.0:
@@ -61,12 +61,27 @@ def test_a_code_is_asked_for_and_good_once(new_client, email, enrolled) -> None:
     assert (again.status_code, again.json()["code"]) == (401, "sign_in_required")
 
 
-def test_a_recovery_code_is_good_once(new_client, email, enrolled, therapist) -> None:
+def test_a_recovery_code_is_good_once(new_client, email, enrolled, therapist, engine) -> None:
     _, codes = enrolled
     assert len(set(codes)) == 10
     assert enter(new_client(), email, codes[3].upper()).status_code == 200
     assert enter(new_client(), email, codes[3]).status_code == 401
     assert therapist.get("/api/me/second-factor").json()["recovery_codes_left"] == 9
+    with read_only(engine) as session:
+        actions = session.scalars(select(AuditEvent.action).order_by(AuditEvent.number)).all()
+    assert actions.count("account.recovery_code") == 1
+    assert actions.index("account.recovery_code") > actions.index("account.second_factor_on")
+
+
+def test_an_open_browser_alone_enrols_nothing(therapist, engine, world) -> None:
+    for body in ({}, {"password": "wrong"}):
+        assert therapist.post("/api/me/second-factor", json=body).status_code == 422
+    with read_only(engine) as session:
+        assert session.get(Account, world.accounts["therapist"]).totp_secret is None
+    assert therapist.post("/api/me/second-factor/confirm", json={"code": "000000"}).status_code == 409
+    for _ in range(PER_ACCOUNT.capacity):
+        answer = therapist.post("/api/me/second-factor", json={"password": "wrong"})
+    assert answer.status_code == 429
 
 
 def test_guessing_codes_is_limited(new_client, email, enrolled) -> None:
@@ -77,11 +92,11 @@ def test_guessing_codes_is_limited(new_client, email, enrolled) -> None:
 def test_it_is_turned_off_with_the_password_or_by_an_administrator(
     new_client, email, enrolled, therapist, sign_in, world
 ) -> None:
-    assert therapist.post("/api/me/second-factor").status_code == 409
+    assert therapist.post("/api/me/second-factor", json={"password": PASSWORD}).status_code == 409
     assert therapist.post("/api/me/second-factor/remove", json={"password": "wrong"}).status_code == 422
     assert therapist.post("/api/me/second-factor/remove", json={"password": PASSWORD}).status_code == 204
     assert enter(new_client(), email).status_code == 200
-    secret = therapist.post("/api/me/second-factor").json()["secret"]
+    secret = therapist.post("/api/me/second-factor", json={"password": PASSWORD}).json()["secret"]
     code = totp.code_at(secret, int(time.time()) // totp.STEP_S)
     assert therapist.post("/api/me/second-factor/confirm", json={"code": code}).status_code == 200
     assert enter(new_client(), email).status_code == 401
@@ -91,7 +106,7 @@ def test_it_is_turned_off_with_the_password_or_by_an_administrator(
 
 
 def test_a_wrong_code_puts_nothing_in_force(new_client, email, therapist) -> None:
-    therapist.post("/api/me/second-factor")
+    therapist.post("/api/me/second-factor", json={"password": PASSWORD})
     answer = therapist.post("/api/me/second-factor/confirm", json={"code": "000000"})
     assert answer.json()["details"]["field"] == "code"
     assert enter(new_client(), email).status_code == 200
@@ -118,7 +133,7 @@ def test_staff_can_be_obliged_to_have_one(services, therapist, patient) -> None:
     refused = therapist.get("/api/patients")
     assert (refused.status_code, refused.json()["code"]) == (403, "second_factor_required")
     assert patient.get("/api/patients").status_code == 200
-    secret = therapist.post("/api/me/second-factor").json()["secret"]
+    secret = therapist.post("/api/me/second-factor", json={"password": PASSWORD}).json()["secret"]
     code = totp.code_at(secret, int(time.time()) // totp.STEP_S)
     assert therapist.post("/api/me/second-factor/confirm", json={"code": code}).status_code == 200
     assert therapist.get("/api/patients").status_code == 200
@@ -135,6 +150,17 @@ def test_staff_can_be_obliged_to_have_one(services, therapist, patient) -> None:
         ("0987654321", "row of letters"),
         ("Password123", "most common"),
         ("Telemotion2026", "most common"),
+        ("P@ssw0rd1234", "most common"),
+        ("Sommer2026!", "most common"),
+        ("2026-Winter!", "most common"),
+        ("Frühling#2027", "most common"),
+        ("$0mmer2026!!", "most common"),
+        ("W1llkommen99", "most common"),
+        ("Welc0me_2031", "most common"),
+        ("HalloWelcome1", "most common"),
+        ("MeinPasswort7", "most common"),
+        ("Oktober.2026", "most common"),
+        ("Kl1n1kPraxis?", "most common"),
         ("ingrid.solberg@clinic.example", "name or e-mail"),
         ("IngridSolberg1", "name or e-mail"),
     ],
@@ -145,7 +171,15 @@ def test_easy_passwords_are_refused_in_words(password: str, problem: str) -> Non
 
 
 @pytest.mark.parametrize(
-    "password", ["a long enough password", "correct horse battery", "Vk7!pq2-Lm9w", "demonstration"]
+    "password",
+    [
+        "a long enough password",
+        "correct horse battery",
+        "Vk7!pq2-Lm9w",
+        "demonstration",
+        "Sommerregen am See",
+        "monday sits on winter",
+    ],
 )
 def test_good_passwords_pass(password: str) -> None:
     check_password(password, "ingrid.solberg@clinic.example", "Ingrid Solberg")
@@ -223,7 +257,7 @@ def test_setting_it_up_again_ends_the_notice_and_the_own_one_needs_the_password(
     client = new_client()
     found = enter(client, email).json()
     client.headers.update({"Origin": "http://127.0.0.1:8000", "X-CSRF-Token": found["csrf_token"]})
-    secret = client.post("/api/me/second-factor").json()["secret"]
+    secret = client.post("/api/me/second-factor", json={"password": PASSWORD}).json()["secret"]
     code = totp.code_at(secret, int(time.time()) // totp.STEP_S)
     assert client.post("/api/me/second-factor/confirm", json={"code": code}).status_code == 200
     assert client.get("/api/me").json()["second_factor_removed_at"] is None

@@ -329,7 +329,7 @@ export const useChangePassword = () =>
 export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
 export const useBeginSecondFactor = () =>
   useChange(
-    () => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'),
+    (input: { password: string }) => api.post<Wire.SecondFactorSetup>('/api/me/second-factor', input),
     () => [],
   );
 export const useConfirmSecondFactor = () =>

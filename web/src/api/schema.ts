@@ -482,9 +482,11 @@ export interface paths {
         put?: never;
         /**
          * Begin Second Factor
-         * @description Get a secret for an authenticator app; it counts once a code of the app was sent to `confirm`.
+         * @description Get a secret for an authenticator app, with the own password; it counts once a code of the app was sent to
+         *     `confirm`.
          *
-         *     Errors: `conflict` when one is in force.
+         *     Errors: `invalid_input` when the password is wrong, `too_many_attempts` with Retry-After, `conflict` when one is in
+         *     force.
          */
         post: operations["begin_second_factor_api_me_second_factor_post"];
         delete?: never;
@@ -4298,6 +4300,10 @@ export interface components {
             role: "administrator" | "therapist" | "patient" | "integrator";
             /** Second Factor Removed At */
             second_factor_removed_at?: string | null;
+            /** Second Factor Since */
+            second_factor_since?: string | null;
+            /** Store Key */
+            store_key: string;
         };
         /**
          * MeasureChange
@@ -4499,6 +4505,14 @@ export interface components {
             unit: string;
             /** Value */
             value: number;
+        };
+        /**
+         * OwnPassword
+         * @description The own password, for what an open browser alone must not do.
+         */
+        OwnPassword: {
+            /** Password */
+            password: string;
         };
         /**
          * PaceDesign
@@ -5188,14 +5202,6 @@ export interface components {
             recovery_codes_left: number;
             /** Since */
             since: string | null;
-        };
-        /**
-         * SecondFactorRemove
-         * @description The own password.
-         */
-        SecondFactorRemove: {
-            /** Password */
-            password: string;
         };
         /**
          * SecondFactorSetup
@@ -7402,7 +7408,11 @@ export interface operations {
             path?: never;
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OwnPassword"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -7415,7 +7425,10 @@ export interface operations {
             };
             401: components["responses"]["Error401"];
             403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
             409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];
@@ -7496,7 +7509,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["SecondFactorRemove"];
+                "application/json": components["schemas"]["OwnPassword"];
             };
         };
         responses: {

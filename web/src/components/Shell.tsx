@@ -9,6 +9,7 @@ import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
 import { SecondFactorRemoved } from './account/SecondFactorRemoved';
+import { SecondFactorSet } from './account/SecondFactorSet';
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -161,6 +162,7 @@ export function Shell() {
       </header>
       <IdleWatch minutes={me.data.idle_minutes} />
       <main id="main" tabIndex={-1} ref={main}>
+        {me.data.second_factor_since && <SecondFactorSet since={me.data.second_factor_since} />}
         {me.data.second_factor_removed_at && <SecondFactorRemoved at={me.data.second_factor_removed_at} />}
         <Outlet context={me.data} />
       </main>

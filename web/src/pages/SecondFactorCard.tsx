@@ -24,17 +24,7 @@ export function SecondFactorCard() {
           if (confirm.data) return <RecoveryCodes codes={confirm.data.codes} />;
           if (found.is_on) return <TurnOff since={found.since ?? ''} left={found.recovery_codes_left} />;
           if (!begin.data)
-            return (
-              <>
-                <p>{t('second.what')}</p>
-                {begin.error && <Problem error={begin.error} />}
-                <div>
-                  <Button onClick={() => begin.mutate(undefined)} loading={begin.isPending}>
-                    {t('second.setUp')}
-                  </Button>
-                </div>
-              </>
-            );
+            return <ByPassword change={begin} text={t('second.what')} button={t('second.setUp')} isMain />;
           return (
             <form className="stack" onSubmit={finish}>
               <p>{t('second.scan')}</p>
@@ -86,17 +76,31 @@ function RecoveryCodes({ codes }: { codes: readonly string[] }) {
 
 function TurnOff({ since, left }: { since: string; left: number }) {
   const remove = useRemoveSecondFactor();
+  const text = `${t('second.isOn', { date: date(since) })} ${t('second.left', { count: left })}`;
+  return <ByPassword change={remove} text={text} button={t('second.turnOff')} />;
+}
+
+/** What an open browser alone must not do asks for the password. */
+function ByPassword({
+  change,
+  text,
+  button,
+  isMain = false,
+}: {
+  change: { mutate: (input: { password: string }) => void; error: Error | null; isPending: boolean };
+  text: string;
+  button: string;
+  isMain?: boolean;
+}) {
   const [password, setPassword] = useState('');
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    remove.mutate({ password });
+    change.mutate({ password });
   };
   return (
     <form className="stack" onSubmit={submit}>
-      <p>
-        {t('second.isOn', { date: date(since) })} {t('second.left', { count: left })}
-      </p>
-      {remove.error && <Problem error={remove.error} />}
+      <p>{text}</p>
+      {change.error && <Problem error={change.error} />}
       <PasswordInput
         label={t('account.present')}
         autoComplete="current-password"
@@ -107,8 +111,8 @@ function TurnOff({ since, left }: { since: string; left: number }) {
         visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }}
       />
       <div>
-        <Button type="submit" variant="default" loading={remove.isPending}>
-          {t('second.turnOff')}
+        <Button type="submit" variant={isMain ? 'filled' : 'default'} loading={change.isPending}>
+          {button}
         </Button>
       </div>
     </form>

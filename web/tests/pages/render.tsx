@@ -16,6 +16,7 @@ export const THERAPIST: Me = {
   patient_id: null,
   locale: 'en',
   csrf_token: 'token',
+  store_key: 'A'.repeat(43) + '=',
   idle_minutes: 60,
 };
 

@@ -9,15 +9,19 @@ const SECRET = 'GEZDGNBVGY3TQOJQGEZDGNBVGY3TQOJQ';
 afterEach(() => vi.unstubAllGlobals());
 
 it('sets two-step sign-in up with a picture to scan and shows the recovery codes once', async () => {
-  renderPage(<OwnAccountPage />, {
+  const { asked } = renderPage(<OwnAccountPage />, {
     answers: {
       '/api/me/second-factor': { is_on: false, since: null, recovery_codes_left: 0 },
       'POST /api/me/second-factor': { secret: SECRET, uri: `otpauth://totp/Telemotion:i@example.org?secret=${SECRET}` },
       'POST /api/me/second-factor/confirm': { codes: ['aaaa-bbbb-cccc-dddd'] },
     },
   });
-  fireEvent.click(await screen.findByRole('button', { name: 'Set up' }));
+  fireEvent.change(await screen.findByLabelText('Current password'), { target: { value: 'my own' } });
+  fireEvent.click(screen.getByRole('button', { name: 'Set up' }));
   expect(await screen.findByRole('img', { name: /QR code/ })).toBeTruthy();
+  expect(asked.find((one) => one.path === '/api/me/second-factor' && one.method === 'POST')?.body).toEqual({
+    password: 'my own',
+  });
   expect(screen.getByText(/GEZD GNBV/)).toBeTruthy();
   fireEvent.change(screen.getByLabelText('Code from the app'), { target: { value: '123456' } });
   fireEvent.click(screen.getByRole('button', { name: 'Turn on' }));

@@ -59,6 +59,8 @@ export const clinic: Translated<typeof english> = {
   'second.keep':
     'Drucken Sie diese Ersatzcodes aus oder schreiben Sie sie auf, und bewahren Sie sie sicher auf. Jeder öffnet Ihr Konto einmal, wenn das Telefon verloren ist. Sie werden nicht noch einmal angezeigt.',
   'second.isOn': 'Eingeschaltet seit {date}.',
+  'second.set':
+    'Die Anmeldung in zwei Schritten wurde für Ihr Konto am {date} eingeschaltet. Wenn Sie das nicht waren, sagen Sie es der Praxis und ändern Sie Ihr Passwort.',
   'second.removed':
     'Die Verwaltung Ihrer Praxis hat die Anmeldung in zwei Schritten für Ihr Konto am {date} ausgeschaltet. Wenn Sie nicht darum gebeten haben, sagen Sie es der Praxis und ändern Sie Ihr Passwort.',
   'second.setUpAgain': 'Wieder einrichten',

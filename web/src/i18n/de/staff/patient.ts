@@ -63,6 +63,7 @@ export const patient: Translated<typeof english> = {
   'audit.account.password_reset': 'hat ein neues Passwort für ein Konto gesetzt',
   'audit.account.second_factor_on': 'hat die Anmeldung in zwei Schritten eingeschaltet',
   'audit.account.second_factor_off': 'hat die Anmeldung in zwei Schritten ausgeschaltet',
+  'audit.account.recovery_code': 'hat sich mit einem Wiederherstellungscode angemeldet',
   'audit.account.rename': 'hat den Namen eines Kontos geändert',
   'audit.account.switch_off': 'hat ein Konto abgeschaltet',
   'audit.account.switch_on': 'hat ein Konto wieder eingeschaltet',

@@ -54,6 +54,8 @@ export const clinic = {
   'second.keep':
     'Print or write down these recovery codes and keep them safe. Each opens your account once if the telephone is lost. They are not shown again.',
   'second.isOn': 'On since {date}.',
+  'second.set':
+    'Two-step sign-in was turned on for your account on {date}. If that was not you, tell your clinic and change your password.',
   'second.removed':
     'An administrator of your clinic turned off two-step sign-in for your account on {date}. If you did not ask for this, tell the clinic and change your password.',
   'second.setUpAgain': 'Set it up again',

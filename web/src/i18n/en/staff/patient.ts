@@ -58,6 +58,7 @@ export const patient = {
   'audit.account.password_reset': 'set a new password for an account',
   'audit.account.second_factor_on': 'turned two-step sign-in on',
   'audit.account.second_factor_off': 'turned two-step sign-in off',
+  'audit.account.recovery_code': 'used a recovery code to sign in',
   'audit.account.rename': 'changed the name of an account',
   'audit.account.switch_off': 'switched an account off',
   'audit.account.switch_on': 'switched an account on',
