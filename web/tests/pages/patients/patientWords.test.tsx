@@ -258,7 +258,7 @@ describe('a patient', () => {
       '/my/sessions/s',
       '/my/sessions/n',
     ]);
-    await screen.findByText('10 times, 4 minutes');
+    await screen.findByText(/10 times, 4 minutes/);
     expect(screen.getByText('Your elbow now moves 8° more than in your first sessions.')).toBeTruthy();
   });
 

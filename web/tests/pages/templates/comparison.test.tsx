@@ -124,7 +124,7 @@ describe('the measures of a comparison', () => {
     const text = (name: RegExp) => screen.getByRole('row', { name }).textContent;
     expect(text(/correlation\)/)).toContain('0.91 ± 0.04 (mean of 4)');
     expect(text(/Elbow behind/)).toContain('62 ms ± 8 (mean of 4)');
-    const without = screen.getByRole('row', { name: /alike/ });
+    const without = screen.getByRole('row', { name: /onsistency/ });
     expect(without.textContent).toContain(UNDEFINED);
     expect(within(without).queryByText('0')).toBeNull();
     expect(without.textContent).not.toContain('mean of');
