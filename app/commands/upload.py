@@ -2,6 +2,7 @@
 
 import asyncio
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 import typer
@@ -92,6 +93,7 @@ class Wanted:
     pipeline: str = ""
     rate_hz: float | None = None
     force: bool = False
+    recorded_at: datetime | None = None
 
 
 def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
@@ -126,6 +128,7 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
             "csv": columns,
             "pipeline": pipeline or "arm",
             "accept_implausible": wanted.force,
+            "recorded_at": wanted.recorded_at and wanted.recorded_at.astimezone().isoformat(),
         }
     )
 

@@ -33,7 +33,8 @@ class ServiceClient:
     Parameters
     ----------
     server : str
-        Address such as `https://motion.example.org`.
+        Address such as `https://motion.example.org`, or `https://example.org/telemotion` behind a proxy that gives the
+        service a path of its own.
     device_token : str, optional
         Instead of signing in.
     """
@@ -42,8 +43,9 @@ class ServiceClient:
         parts = urlsplit(server)
         if parts.scheme not in {"http", "https"} or not parts.netloc:
             raise InvalidInput("The server's address must begin with http:// or https://.")
-        self.server = f"{parts.scheme}://{parts.netloc}"
-        headers = {"Origin": self.server}
+        origin = f"{parts.scheme}://{parts.netloc}"
+        self.server = origin + parts.path.rstrip("/")
+        headers = {"Origin": origin}
         if device_token:
             headers["Authorization"] = f"Bearer {device_token}"
         self.http = httpx.AsyncClient(base_url=self.server, headers=headers, timeout=30.0, trust_env=False)

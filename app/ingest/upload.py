@@ -5,6 +5,7 @@ task's work, in the worker process, with progress. A file is removed when its ta
 (`app.recordings.files_in_passing`).
 """
 
+from datetime import datetime
 from pathlib import Path
 from typing import Final, cast
 
@@ -20,6 +21,7 @@ from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest._multipart import UploadReceiver, described, too_large
+from app.readers.moments import is_possible
 from app.recordings import repository, service
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.analysis.kinds import kinds
@@ -97,6 +99,8 @@ def parse_declaration(text: bytes) -> UploadIn:
         ) from error
     if declaration.format and readers.reader_of(declaration.format).needs_mapping and declaration.csv is None:
         raise InvalidInput(say("upload.csv_needs_mapping"), field="csv")
+    if declaration.recorded_at is not None and not is_possible(declaration.recorded_at):
+        raise InvalidInput(say("upload.recorded_at"), field="recorded_at")
     pose = declaration.calibration_pose_s
     if pose is not None and not 0 <= pose[0] < pose[1]:
         raise InvalidInput(
@@ -156,11 +160,19 @@ def register(
                 source="upload",
                 state="closing",
                 setup=setup.to_dict(),
+                started_at=declaration.recorded_at or _recorded_at(declaration, path),
                 created_by=subject.id,
             ),
         )
         arguments = {"file": path.name, "declaration": declaration.model_dump(mode="json")}
         return service.job_out(repository.add_job(session, found, "upload", arguments, subject))
+
+
+def _recorded_at(declaration: UploadIn, path: Path) -> datetime | None:
+    """Return when a file says that it was recorded, as far as that stands at its beginning."""
+    if declaration.format is None or not readers.reader_of(declaration.format).holds_packets:
+        return None
+    return readers.LogReader(path).recorded_at
 
 
 def pipeline_of(declaration: UploadIn) -> str:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +16,7 @@ from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest.upload import pipeline_of
 from app.network.declaration import Declaration
 from app.network.raw_packet import RawPacket
+from app.readers.moments import RECORDED_AT
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import Wanted, kind_of, kinds
 from app.recordings.analysis.offline import Analysis, stretches
@@ -92,11 +94,13 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             context, (raw for raw, _ in log.packets()), lambda packet: (len(packet.payload) + 44) / size
         )
         network = log.declaration
+        recorded_at = log.recorded_at
         if log.damaged:
             notes.append(say("upload.damaged_packets", count=log.damaged))
     else:
         recording = readers.read(path, str(declaration.format), declaration.csv, declaration.file_name)
         notes += recording.notes
+        recorded_at = _moment(recording.metadata.get(RECORDED_AT))
         kind = kinds()[pipeline_of(declaration)]
         with unit_of_work(context.engine) as session:
             recording = kind.put_aside(session, context.session_id, recording)
@@ -110,8 +114,13 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             notes.append(say("file.left_out", names=list(prepared.left_out)))
     if not stored_ticks:
         raise RecordingFormatError(say("log.no_packet"))
-    _declare(context, network, with_legs=declaration.with_legs)
+    if not _declare(context, network, recorded_at, with_legs=declaration.with_legs):
+        notes.append(say("upload.day_unknown"))
     return notes
+
+
+def _moment(written: str | None) -> datetime | None:
+    return None if written is None else datetime.fromisoformat(written)
 
 
 def _forget_raw(context: JobContext) -> None:
@@ -157,8 +166,10 @@ def _write_chunks(context: JobContext, chunks: list[tuple[int, EncodedChunk]]) -
             insert_chunk(session, context.session_id, RAW_STREAM, number, chunk)
 
 
-def _declare(context: JobContext, network: Declaration, *, with_legs: bool) -> None:
-    """Write to the session what its gateway would have declared."""
+def _declare(
+    context: JobContext, network: Declaration, recorded_at: datetime | None, *, with_legs: bool
+) -> bool:
+    """Write to the session what its gateway would have declared; return whether it is known when it was recorded."""
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         found.hello = network.to_dict()
@@ -167,7 +178,15 @@ def _declare(context: JobContext, network: Declaration, *, with_legs: bool) -> N
             placements=kind_of(found.setup).pipeline.used(network.placements, with_legs=with_legs),
             rate_hz=network.rate_hz,
         ).to_dict()
+        found.started_at = found.started_at or recorded_at
+        is_known = found.started_at is not None
         found.started_at = found.started_at or utc_now()
+        if not is_known:
+            # Also on the time line, where it is read when the message of the task is long gone.
+            session.add(
+                SessionEvent(session_id=found.id, kind="state", time_s=0.0, text=say("upload.day_unknown"))
+            )
+        return is_known
 
 
 def _check(context: JobContext, declaration: UploadIn) -> list[str]:
@@ -213,9 +232,10 @@ def _finish(context: JobContext, analysis: Analysis) -> None:
         found = session.get_one(MotionSession, context.session_id)
         found.setup = analysis.setup.to_dict()
         found.main_result_id = analysis.result_id
-        found.ended_at = utc_now()
         found.state_reason = analysis.message
         count_session(session, found, analysis)
+        begun = found.started_at or utc_now()
+        found.ended_at = begun + timedelta(seconds=found.duration_s)
         if analysis.pose_s is not None:
             start_s, end_s = analysis.pose_s
             session.add(

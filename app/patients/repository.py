@@ -1,6 +1,6 @@
 """Patients, grants and mountings: every query, who may, and the audit event it leaves."""
 
-from datetime import datetime, timedelta
+from datetime import date, datetime, timedelta
 from typing import Any
 
 from sqlalchemy import case, delete, select, update
@@ -10,7 +10,7 @@ from app.accounts import audit
 from app.accounts.models import Account, AuditEvent
 from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
-from app.errors import InvalidInput, NotAllowed, NotFound
+from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
 from app.pages import Page, rows_of
 from app.patients.access import Level, is_in_force, levels, require_patient, visible_patients
 from app.patients.models import Grant, Mounting, Patient
@@ -115,6 +115,37 @@ def create_patient(session: Session, subject: Subject, fields: dict[str, Any]) -
     return patient
 
 
+def require_no_twin(
+    session: Session, subject: Subject, given_name: str, family_name: str, birth_date: date | None
+) -> None:
+    """Ask before a second record of what seems to be one person: the same name, however written, and the same birth.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        Asked about among the patients in its reach; of others nothing is said, not even that they are there.
+    given_name, family_name : str
+    birth_date : date or None
+
+    Raises
+    ------
+    Conflict
+        With the identifier of the record that is there; `is_another_person` answers it.
+    """
+    if birth_date is None:
+        return
+    wanted = _words(given_name, family_name)
+    for other in session.scalars(visible_patients(subject).where(Patient.birth_date == birth_date)):
+        if _words(other.given_name, other.family_name) == wanted:
+            raise Conflict(say("patient.twin"), field="is_another_person", patient_id=other.id)
+
+
+def _words(given_name: str, family_name: str) -> list[str]:
+    """Return what two writings of a name have in common: its words, in no order, without case."""
+    return sorted(f"{given_name} {family_name}".casefold().split())
+
+
 def update_patient(session: Session, subject: Subject, patient_id: str, fields: dict[str, Any]) -> Patient:
     """Change fields of a patient.
 
@@ -130,6 +161,8 @@ def update_patient(session: Session, subject: Subject, patient_id: str, fields: 
     patient = require_patient(session, subject, patient_id, "manage")
     for name, value in fields.items():
         setattr(patient, name, value)
+    if not patient.given_name and not patient.family_name:
+        raise InvalidInput(say("patient.no_name"), field="family_name")
     if fields:
         audit.record(session, subject, "patient.update", patient_id, patient_id, {"fields": sorted(fields)})
     session.flush()

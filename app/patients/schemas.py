@@ -1,9 +1,11 @@
 """Wire types of patients."""
 
-from datetime import datetime
-from typing import Literal
+import re
+import unicodedata
+from datetime import UTC, date, datetime, timedelta
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, model_validator
 
 from app.schemas import Day, Flag, Schema, may_be_absent
 
@@ -21,12 +23,43 @@ class BodyDimensionsIn(Schema):
     trunk_m: float | None = Field(default=None, gt=0.2, lt=0.9)
 
 
-class PatientIn(Schema):
-    """What is written down about a patient."""
+OLDEST_YEARS: Final = 125
+_TURNS: Final = re.compile("[\u200b\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff\u061c]")
+"""Characters without a width that turn the direction of writing or hide in a name."""
 
-    given_name: str = Field(min_length=1, max_length=100)
-    family_name: str = Field(min_length=1, max_length=100)
-    birth_date: Day | None = None
+
+def _name(value: str) -> str:
+    """Return a name without blanks around it, and refuse what nobody's name has."""
+    if _TURNS.search(value) or any(unicodedata.category(letter) in {"Cc", "Zl", "Zp"} for letter in value):
+        raise ValueError("a name must not hold line breaks or characters that turn the direction of writing")
+    return " ".join(value.split())
+
+
+def _born(value: date | None) -> date | None:
+    """Refuse a birth that nobody living has."""
+    if value is None:
+        return None
+    # Somewhere it is tomorrow already.
+    today = datetime.now(UTC).date() + timedelta(days=1)
+    if value > today:
+        raise ValueError(f"{value.isoformat()} is in the future (year {value.year}); check the year of birth")
+    if value.year < today.year - OLDEST_YEARS:
+        raise ValueError(
+            f"{value.isoformat()} is more than {OLDEST_YEARS} years ago (year {value.year}); check the year of birth"
+        )
+    return value
+
+
+Name = Annotated[str, Field(max_length=100), AfterValidator(_name)]
+Birth = Annotated[Day, AfterValidator(_born)]
+
+
+class PatientIn(Schema):
+    """What is written down about a patient: at least one name; some people have one only."""
+
+    given_name: Name
+    family_name: Name
+    birth_date: Birth | None = None
     affected_side: Side | None = None
     notes: str = Field(default="", max_length=4000)
     body_dimensions: BodyDimensionsIn = BodyDimensionsIn()
@@ -35,17 +68,26 @@ class PatientIn(Schema):
 class NewPatientIn(PatientIn):
     """A new patient."""
 
+    is_another_person: Flag = False
+    """Somebody looked: the patient of the same name and date of birth who is there already is another person."""
+
     agrees_to_treatment: Flag = False
     """The patient was asked and agrees to the purpose `treatment`. When false, nothing is noted, and nothing can be
     recorded before somebody asks."""
+
+    @model_validator(mode="after")
+    def _has_a_name(self) -> Self:
+        if not self.given_name and not self.family_name:
+            raise ValueError("given_name, family_name: write at least one name")
+        return self
 
 
 class PatientPatch(Schema):
     """Only the fields to change."""
 
-    given_name: str = may_be_absent(min_length=1, max_length=100)
-    family_name: str = may_be_absent(min_length=1, max_length=100)
-    birth_date: Day | None = None
+    given_name: Name = may_be_absent()
+    family_name: Name = may_be_absent()
+    birth_date: Birth | None = None
     affected_side: Side | None = None
     notes: str = may_be_absent(max_length=4000)
     body_dimensions: BodyDimensionsIn | None = None
@@ -71,6 +113,9 @@ class MountingOut(Schema):
 class PatientOut(PatientIn):
     """A patient."""
 
+    given_name: str
+    family_name: str
+    birth_date: date | None = None
     id: str
     created_at: datetime
     archived_at: datetime | None

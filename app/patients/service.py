@@ -63,7 +63,9 @@ def create_patient(session: Session, subject: Subject, body: NewPatientIn) -> Pa
     subject : Subject
     body : NewPatientIn
     """
-    fields = body.model_dump(exclude={"body_dimensions", "agrees_to_treatment"})
+    if not body.is_another_person:
+        repository.require_no_twin(session, subject, body.given_name, body.family_name, body.birth_date)
+    fields = body.model_dump(exclude={"body_dimensions", "agrees_to_treatment", "is_another_person"})
     fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
     patient = repository.create_patient(session, subject, fields)
     if body.agrees_to_treatment:

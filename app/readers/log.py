@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from app.network.packet import Packet, decode_packet
 from app.network.packet_log import read_entries, read_head
 from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
+from app.readers.moments import moment_of
 from app.readers.packets import stamped
 from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
@@ -42,6 +44,14 @@ class LogReader:
     def __post_init__(self) -> None:
         with self.path.open("rb") as file:
             self.declaration = declaration_of(read_head(file))
+
+    @property
+    def recorded_at(self) -> datetime | None:
+        """When its first packet arrived; None where nobody noted that."""
+        with self.path.open("rb") as file:
+            read_head(file)
+            first = next(read_entries(file), None)
+        return None if first is None else moment_of(first[0] * 1e-9)
 
     def packets(self) -> Iterator[tuple[RawPacket, Packet]]:
         """Yield every sound packet once, in the order of the log."""

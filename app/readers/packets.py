@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from app.errors import RecordingFormatError
 from app.network.declaration import Declaration, check_placements
 from app.network.raw_packet import FLOAT32, RawPacket
+from app.readers.sensor_names import check_names
 from app.sentences import say
 from estimators.channels import INERTIAL, INERTIAL_WIDTH, Channel
 from estimators.conventions import PLACEMENTS, Placement
@@ -159,6 +160,7 @@ def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPack
     ours: list[str] = [name for name in recording.sensors if any_name or name in PLACEMENTS]
     if not ours:
         raise RecordingFormatError(say("file.no_placement", placements=list(PLACEMENTS)))
+    check_names(ours)
     first = recording.sensors[ours[0]]
     if any(not np.array_equal(recording.sensors[name].time_s, first.time_s) for name in ours):
         raise RecordingFormatError(say("file.time_stamps_differ"))

@@ -146,4 +146,15 @@ def dictionary(table: pa.Table) -> list[dict[str, str]]:
     ]
 
 
-__all__ = ["dictionary", "frames_table"]
+def csv_cell(text: str) -> str:
+    """Return text for a cell or heading of a table that a spreadsheet opens: never taken for a formula.
+
+    Parameters
+    ----------
+    text : str
+        With a quote before it where it begins as formulas do.
+    """
+    return f"'{text}" if text[:1] in {"=", "+", "-", "@", "\t", "\r"} else text
+
+
+__all__ = ["csv_cell", "dictionary", "frames_table"]

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from app.recordings.columns import dictionary
+from app.recordings.columns import csv_cell, dictionary
 from app.version import service_version
 from estimators.pipelines import SessionSetup
 
@@ -85,7 +85,9 @@ def write_results(table: pa.Table, setup: SessionSetup, origin: dict[str, Any], 
         An existing folder.
     """
     pyarrow.parquet.write_table(table, out / "frames.parquet")
-    pyarrow.csv.write_csv(table, out / "frames.csv")
+    pyarrow.csv.write_csv(
+        table.rename_columns([csv_cell(name) for name in table.column_names]), out / "frames.csv"
+    )
     for name, content in (
         ("columns.json", dictionary(table)),
         ("setup.json", {**origin, **setup_record(setup)}),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from pydantic import Base64Bytes, Field
 
 from app.readers.tables.schemas import CsvMapping, GuessedMapping
-from app.schemas import Flag, Schema, SessionState, Spoken
+from app.schemas import Flag, Moment, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
@@ -242,6 +242,9 @@ class UploadIn(Schema):
     feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
     feet_apart_end_m: float | None = Field(default=None, ge=0.0, le=0.6)
     """Of a walk: distance of the feet side by side at its start and its end, where somebody measured it."""
+    recorded_at: Moment | None = None
+    """When it was recorded: the session counts for that day. None: as the file says, else the day of the upload, and
+    the session says so."""
     accept_implausible: Flag = False
     """Estimate although units, axes or signs cannot be right; a first attempt says what was found."""
 

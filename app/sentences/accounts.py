@@ -77,6 +77,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "grant.own_data": "Patients see their own data without an access right.",
     "grant.ends_in_past": "The end of an access right must be in the future.",
     "grant.end_needs_zone": "The end of an access right needs a time zone, for instance 2030-01-31T12:00:00Z.",
+    "patient.twin": "There is already a patient with this name and date of birth. Open that record, or say that this is"
+    " another person.",
+    "patient.no_name": "Write at least one name.",
     "patient.merge_itself": "Choose another record than this one.",
     "patient.merged_before": "This record was merged into another one before, and is empty.",
     "patient.archive_first": "Archive the patient first; erasing cannot be undone.",

@@ -9,6 +9,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.format_unknown": "There is no format {format}; choose {formats:or}.",
     "file.format_not_recognised": "The format of this file is not recognised; choose it: {formats:or}.",
     "file.csv_needs_mapping": "A CSV file needs a mapping: which column holds what, in which unit.",
+    "file.sensor_name": "A sensor cannot be called {names:or}: letters, digits, blanks, _, - and . are possible,"
+    " a letter or digit first. Rename it in the file.",
     "file.too_few_rows": "The file holds fewer than two rows; there is nothing to analyse.",
     "file.too_long": "The file is too long; split it into shorter recordings.",
     "file.unpacks_to_too_much": "The file has {packed_bytes:mib.1} and unpacks to more than"

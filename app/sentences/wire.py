@@ -19,6 +19,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "upload.csv_needs_mapping": "A CSV upload needs `csv`: which column holds what, in which unit.",
     "upload.pose": "The pose in `calibration_pose_s` must be a start and a later end, in seconds of the"
     " recording.",
+    "upload.recorded_at": "The moment of the recording needs a time zone and must lie between 2000 and now, for"
+    " instance 2026-11-09T08:00:00Z.",
+    "upload.day_unknown": "The file does not say when it was recorded: the session counts for the day of its upload.",
     "upload.gone": "The uploaded file no longer exists; upload it again.",
     "upload.damaged_packets": {
         "one": "{count} damaged packet was rejected.",

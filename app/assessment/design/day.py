@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection
 from datetime import UTC, datetime, time, tzinfo
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from app.recordings.models import MotionSession, SessionEvent
@@ -41,8 +41,9 @@ def valid_of_the_day(
             MotionSession.patient_id == patient_id,
             MotionSession.prescription_id.in_(prescription_ids),
             MotionSession.purpose == "exercise",
-            MotionSession.created_at >= begins,
-            MotionSession.created_at < until,
+            # Not when it came here: a recording of another day that was uploaded today is not of today.
+            func.coalesce(MotionSession.started_at, MotionSession.created_at) >= begins,
+            func.coalesce(MotionSession.started_at, MotionSession.created_at) < until,
         )
     ).all()
     live: Counter[str] = Counter()

@@ -15,7 +15,7 @@ from sqlalchemy import Engine, func, select
 from sqlalchemy.orm import Session
 
 from app.database.unit_of_work import read_only
-from app.recordings.columns import dictionary, frames_table
+from app.recordings.columns import csv_cell, dictionary, frames_table
 from app.recordings.models import Result, SignalChunk
 from app.recordings.result_files import setup_record, software
 from app.recordings.signals.chunks import MAX_CHUNK_TICKS, frames_stream
@@ -58,10 +58,11 @@ def write_movement(archive: zipfile.ZipFile, name: str, engine: Engine, result_i
     with archive.open(f"{name}.csv", "w", force_zip64=True) as target:
         pieces = _pieces(engine, result_id)
         first = next(pieces)
-        with pyarrow.csv.CSVWriter(target, first.schema) as writer:
-            writer.write_table(first)
+        names = [csv_cell(name) for name in first.column_names]
+        with pyarrow.csv.CSVWriter(target, first.rename_columns(names).schema) as writer:
+            writer.write_table(first.rename_columns(names))
             for piece in pieces:
-                writer.write_table(piece.cast(first.schema))
+                writer.write_table(piece.cast(first.schema).rename_columns(names))
     content = {**json.loads(first.schema.metadata[b"telemotion"]), "columns": dictionary(first)}
     archive.writestr(f"{name}.json", json.dumps(content, indent=1, ensure_ascii=False))
 

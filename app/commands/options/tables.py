@@ -1,5 +1,6 @@
 """What `telemotion upload` and `telemotion mapping` ask for: files of other devices."""
 
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +28,13 @@ def upload(
         bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
     ] = False,
     exercise: Annotated[str, typer.Option(help="Exercise identifier; empty for a free session.")] = "",
+    recorded_at: Annotated[
+        datetime | None,
+        typer.Option(
+            help="When it was recorded, by the clocks here; default: as the file says, else now.",
+            formats=["%Y-%m-%d", "%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M:%S"],
+        ),
+    ] = None,
     server: Server = "http://127.0.0.1:8000",
     email: Email = "",
     password: Password = "",
@@ -36,7 +44,7 @@ def upload(
 
     command.upload(
         recording,
-        command.Wanted(patient, exercise or None, format, mapping, guess, pipeline, rate, force),
+        command.Wanted(patient, exercise or None, format, mapping, guess, pipeline, rate, force, recorded_at),
         server,
         email,
         password,

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.errors import RecordingFormatError
 from app.readers.contract import TEXT, Reader, Source
+from app.readers.moments import as_metadata
 from app.readers.tables.head import TableHead, head_of_file
 from app.readers.tables.time import UNIT_FACTORS, nominal_rate
 from app.readers.units import TO_SI, UNITS, check_accelerometer, check_gyroscope, check_magnetometer
@@ -103,9 +104,8 @@ def read_apdm(path: Path) -> Recording:
         name = label if name in sensors else name
         sensors[name] = _sensor(label, columns, stamps.time_s, rate_hz)
     notes = (say("table.rows_left_out", count=left_out),) if left_out else ()
-    return Recording(
-        sensors, rate_hz, origin="APDM recording", metadata={"format": "apdm"}, notes=(*notes, *stamps.notes)
-    )
+    about = {"format": "apdm", **as_metadata(float(table[time][0]) * factor)}
+    return Recording(sensors, rate_hz, origin="APDM recording", metadata=about, notes=(*notes, *stamps.notes))
 
 
 def _channels(head: TableHead) -> dict[str, re.Match[str]]:

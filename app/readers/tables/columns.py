@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
+from app.readers.moments import as_metadata
 from app.readers.tables.clock import CLOCK, seconds_of_clock
 from app.readers.tables.guess import SINGLE
 from app.readers.tables.head import TableHead, head_of_file
@@ -62,6 +63,7 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     if clock is not None:
         table[clock], said = seconds_of_clock(table[clock].tolist())
         notes += said
+    recorded = _first_moment(mapping, table)
     rows = len(next(iter(table.values())))
     if rows < 2:
         raise RecordingFormatError(say("file.too_few_rows"))
@@ -79,7 +81,16 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
         placement: _sensor(placement, quantities, table, time_s)
         for placement, quantities in by_placement.items()
     }
-    return Recording(sensors, rate_hz, origin="CSV file", metadata={"format": "csv"}, notes=tuple(notes))
+    return Recording(
+        sensors, rate_hz, origin="CSV file", metadata={"format": "csv", **recorded}, notes=tuple(notes)
+    )
+
+
+def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str]:
+    """Return when a table says that it was recorded: its numbers count from 1970. Times of day as text have no zone."""
+    if mapping.time_column is None or mapping.time_unit == CLOCK or not len(table[mapping.time_column]):
+        return {}
+    return as_metadata(float(table[mapping.time_column][0]) * UNIT_FACTORS[mapping.time_unit])
 
 
 def _on_time(

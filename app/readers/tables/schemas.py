@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
+from app.readers.sensor_names import PATTERN
 from app.schemas import Schema
 from estimators.conventions import Placement
 
@@ -13,7 +14,7 @@ Unit = Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G
 class _Column(Schema):
     placement: Placement | None = None
     """Where the sensor is worn; None for a single sensor that is worn nowhere in particular."""
-    sensor: str = Field(default="", max_length=60)
+    sensor: str = Field(default="", max_length=60, pattern=PATTERN)
     """What a sensor is called in the table: tells those without placement apart."""
     quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
     columns: list[str] = Field(min_length=3, max_length=3)

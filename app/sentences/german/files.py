@@ -43,6 +43,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "file.time_stands_still": "In Zeile {row} geht die Zeit nicht weiter; entfernen Sie wiederholte Zeilen.",
     "file.time_unit": "In {unit} gelesen ergibt die Zeitspalte {rate_hz:number~3} Zeilen pro Sekunde; möglich"
     " sind {lowest_hz:number} bis {highest_hz:number}. {advice}",
+    "file.sensor_name": "Ein Sensor kann nicht {names:or} heißen: Möglich sind Buchstaben, Ziffern, Leerzeichen, _,"
+    " - und ., ein Buchstabe oder eine Ziffer zuerst. Benennen Sie ihn in der Datei um.",
     "file.too_few_rows": "Die Datei enthält weniger als zwei Zeilen; es gibt nichts auszuwerten.",
     "file.too_long": "Die Datei ist zu lang; teilen Sie sie in kürzere Aufzeichnungen.",
     "file.uneven": "Die Messwerte liegen zeitlich nicht gleichmäßig; rechnen Sie sie zuerst auf eine Rate um.",

@@ -56,6 +56,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " zum Beispiel vier Wörter.",
     "password.short": "Dieses Passwort ist kürzer als {least} Zeichen; wählen Sie ein anderes, zum Beispiel vier"
     " Wörter.",
+    "patient.twin": "Es gibt schon eine Akte mit diesem Namen und Geburtsdatum. Öffnen Sie sie, oder sagen Sie, dass"
+    " dies eine andere Person ist.",
+    "patient.no_name": "Schreiben Sie mindestens einen Namen.",
     "patient.merge_itself": "Wählen Sie eine andere Akte als diese.",
     "patient.merged_before": "Diese Akte wurde schon mit einer anderen zusammengeführt und ist leer.",
     "patient.archive_first": "Archivieren Sie die Akte zuerst; Löschen lässt sich nicht rückgängig machen.",

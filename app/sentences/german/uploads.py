@@ -12,6 +12,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "upload.declaration_first": "Senden Sie den Teil `declaration` (JSON) vor dem Teil `file`.",
     "upload.declaration_too_long": "Die Angaben sind zu lang.",
     "upload.fields": "Die Angaben sind falsch bei: {fields:and}.",
+    "upload.recorded_at": "Der Zeitpunkt der Aufnahme braucht eine Zeitzone und muss zwischen 2000 und jetzt liegen,"
+    " zum Beispiel 2026-11-09T08:00:00Z.",
+    "upload.day_unknown": "Die Datei sagt nicht, wann aufgenommen wurde: Die Sitzung zählt für den Tag, an dem sie"
+    " hochgeladen wurde.",
     "upload.gone": "Die hochgeladene Datei gibt es nicht mehr; laden Sie sie noch einmal hoch.",
     "upload.header_too_long": "Ein Kopf eines Teils ist zu lang.",
     "upload.implausible": "Die Messwerte können nicht stimmen. {findings} Berichtigen Sie die Angaben, und laden"

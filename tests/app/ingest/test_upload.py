@@ -17,6 +17,7 @@ from app.recordings.analysis.jobs import run_job
 from app.recordings.files_in_passing import remove_orphans, upload_folder
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.signals.store import read_frames, read_packets, stored_ranges
+from app.sentences import say
 from app.settings import Settings
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
@@ -44,7 +45,8 @@ def test_an_uploaded_log_becomes_a_calibrated_session(
 ) -> None:
     job_id = queue(log, declare(world, exercise_id=world.exercise_id))
     done = run_job(engine, settings, job_id, upload)
-    assert (done.status, done.message) == ("complete", "")
+    # A log without the times of its packets; that is said, and nothing else.
+    assert (done.status, done.message) == ("complete", say("upload.day_unknown"))
     found = session_of(engine, job_id)
     prepared = readers.packets_of(simulated.recording)
     stored = list(read_packets(engine, found.id))

@@ -409,6 +409,16 @@ export const useDeleteSession = () =>
     (session: { id: string; patient_id: string }) => api.delete<void>(`/api/sessions/${session.id}`),
     (session) => [keys.patientSessions(session.patient_id), keys.caseload],
   );
+export const useMoveSession = (session: { id: string; patient_id: string }) =>
+  useChange(
+    (input: Wire.SessionPatch) => api.patch<Wire.SessionDetail>(`/api/sessions/${session.id}`, input),
+    () => [['sessions'], ['session'], ['patients'], keys.patientSessions(session.patient_id), keys.caseload],
+  );
+export const useMergePatients = (id: string) =>
+  useChange(
+    (input: Wire.MergeIn) => api.post<Wire.MergeOut>(`/api/patients/${id}/merge`, input),
+    () => [['patients'], keys.caseload],
+  );
 export const useReprocess = (id: string) =>
   useChange(
     (input: Wire.ReprocessIn) => api.post<Wire.Job>(`/api/sessions/${id}/reprocess`, input),

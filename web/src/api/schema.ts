@@ -4449,6 +4449,11 @@ export interface components {
             /** Given Name */
             given_name: string;
             /**
+             * Is Another Person
+             * @default false
+             */
+            is_another_person?: boolean;
+            /**
              * Notes
              * @default
              */
@@ -6272,6 +6277,11 @@ export interface components {
              * @enum {string}
              */
             purpose?: "exercise" | "template";
+            /**
+             * Recorded At
+             * @default null
+             */
+            recorded_at?: string | null;
             /**
              * With Legs
              * @default false

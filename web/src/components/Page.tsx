@@ -28,13 +28,16 @@ export function Page({ title, lead, crumbs, actions, narrow, compact, children }
     <div className={`page ${narrow ? 'page-narrow' : ''} ${compact ? 'page-compact' : ''}`}>
       <header className="page-head">
         <div>
-          {crumbs && crumbs.length > 0 && (
+          {crumbs?.some((crumb) => crumb.text !== title) && (
             <nav className="crumbs" aria-label={t('nav.path')}>
-              {crumbs.map((crumb) => (
-                <span key={crumb.to}>
-                  <Link to={crumb.to}>{crumb.text}</Link> <span aria-hidden>/</span>
-                </span>
-              ))}
+              {crumbs
+                .filter((crumb) => crumb.text !== title)
+                .map((crumb, place) => (
+                  <span key={crumb.to}>
+                    {place > 0 && <span aria-hidden>/ </span>}
+                    <Link to={crumb.to}>{crumb.text}</Link>
+                  </span>
+                ))}
             </nav>
           )}
           <h1>{title}</h1>

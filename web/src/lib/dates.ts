@@ -1,5 +1,5 @@
 // A day as somebody types it. Days come first, as in the clinic; the browser's own field would show another order.
-import { formatLocale } from '../i18n';
+import { formatLocale, t } from '../i18n';
 
 const MONTHS = ['jan', 'feb', 'mar', 'apr', 'may', 'jun', 'jul', 'aug', 'sep', 'oct', 'nov', 'dec'];
 /** Where a German month begins otherwise. */
@@ -21,7 +21,7 @@ export function readDay(text: string): string | null {
         : [NaN, NaN, NaN];
   const at = new Date(Date.UTC(year, month - 1, day));
   const isReal =
-    year >= 1890 &&
+    year >= 1000 &&
     year < 2200 &&
     at.getUTCFullYear() === year &&
     at.getUTCMonth() === month - 1 &&
@@ -35,4 +35,15 @@ export function dayWords(iso: string): string {
   if (formatLocale() === 'de') return `${day}.${month}.${year}`;
   const name = MONTHS[Number(month) - 1] ?? '';
   return `${Number(day)} ${name.charAt(0).toUpperCase()}${name.slice(1)} ${year}`;
+}
+
+const OLDEST_YEARS = 125;
+
+/** Why nobody living was born on a day (`1850-01-01`), in words; null for a day that can be, and for none. */
+export function birthError(iso: string, now = new Date()): string | null {
+  if (iso === '' || readDay(iso) === null) return null;
+  const year = Number(iso.slice(0, 4));
+  const today = new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 10);
+  if (iso > today) return t('date.bornInFuture', { year });
+  return year < now.getFullYear() - OLDEST_YEARS ? t('date.bornTooLongAgo', { year, years: OLDEST_YEARS }) : null;
 }

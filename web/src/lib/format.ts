@@ -153,9 +153,17 @@ export function clockTimeS(atS: number): string {
   );
 }
 
+const DATE_ONLY = /^(\d{4})-(\d{2})-(\d{2})$/;
+
+/** A moment, or a day of the calendar (`1957-03-14`), which is the same day in every time zone. */
+function dayOf(at: string | Date): Date {
+  const only = typeof at === 'string' ? DATE_ONLY.exec(at) : null;
+  return only ? new Date(Number(only[1]), Number(only[2]) - 1, Number(only[3])) : new Date(at);
+}
+
 /** Calendar date, e.g. `3 Mar 2025`; without the year when it is this year's. */
 export function date(at: string | Date, now = new Date()): string {
-  const day = new Date(at);
+  const day = dayOf(at);
   return new Intl.DateTimeFormat(formatLocale(), {
     day: 'numeric',
     month: 'short',
@@ -166,7 +174,7 @@ export function date(at: string | Date, now = new Date()): string {
 /** How long ago in words a person would use: today with the time, yesterday, days, then the date. */
 export function day(at: string | Date | null, now = new Date()): string {
   if (at === null) return t('time.never');
-  const then = new Date(at);
+  const then = dayOf(at);
   const days = Math.round((startOfDay(now) - startOfDay(then)) / DAY_MS);
   if (days === 0) return t('time.today', { time: clockTime(then) });
   if (days === 1) return t('time.yesterday', { time: clockTime(then) });
@@ -176,9 +184,7 @@ export function day(at: string | Date | null, now = new Date()): string {
 
 /** A day by its name, e.g. `Saturday 22 November`. */
 export function weekday(at: string | Date): string {
-  return new Intl.DateTimeFormat(formatLocale(), { weekday: 'long', day: 'numeric', month: 'long' }).format(
-    new Date(at),
-  );
+  return new Intl.DateTimeFormat(formatLocale(), { weekday: 'long', day: 'numeric', month: 'long' }).format(dayOf(at));
 }
 
 /** Date and time, for lists where both count. */
@@ -188,7 +194,7 @@ export function dateTime(at: string | Date): string {
 
 /** Age in whole years. */
 export function age(birthDate: string, now = new Date()): number {
-  const born = new Date(birthDate);
+  const born = dayOf(birthDate);
   const had =
     now.getMonth() > born.getMonth() || (now.getMonth() === born.getMonth() && now.getDate() >= born.getDate());
   return now.getFullYear() - born.getFullYear() - (had ? 0 : 1);

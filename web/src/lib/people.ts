@@ -2,7 +2,8 @@
 import { t } from '../i18n';
 
 export function fullName(one: { given_name: string; family_name: string }): string {
-  return `${one.given_name} ${one.family_name}`;
+  // Some people have one name only.
+  return `${one.given_name} ${one.family_name}`.trim();
 }
 
 /** The caseload, and the patient as soon as the name is known. */

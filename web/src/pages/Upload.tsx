@@ -8,6 +8,7 @@ import { useEstimators, useExercises, useFormats, useJob, usePatients, useSessio
 import type { Format, GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { CsvMappingForm } from '../components/forms/CsvMappingForm';
+import { DateField, isDateOrEmpty } from '../components/forms/DateField';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
@@ -43,6 +44,11 @@ function formatOf(name: string, formats: readonly Format[]): Format | null {
   return first && !second ? first : null;
 }
 
+/** Noon of a day here, or now where that is earlier: nothing was recorded in the future. */
+function noonOf(day: string): string {
+  return new Date(Math.min(new Date(`${day}T12:00:00`).getTime(), Date.now())).toISOString();
+}
+
 export function UploadPage() {
   const [search] = useSearchParams();
   const patients = usePatients();
@@ -69,6 +75,7 @@ export function UploadPage() {
   const [withLegs, setWithLegs] = useState(false);
   const [hemisphere, setHemisphere] = useState<Hemisphere>('north');
   const [accepts, setAccepts] = useState(false);
+  const [day, setDay] = useState('');
   const [sent, setSent] = useState(0);
   const send = useMutation({
     mutationFn: (form: FormData) => upload<Job>('/api/uploads', form, setSent),
@@ -112,7 +119,10 @@ export function UploadPage() {
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
   const isMapped = !format?.needs_mapping || (mapping !== null && complete(mapping, kind.hasPlaces) !== null);
-  const isReady = file !== null && patientId !== null && orientation !== undefined && isMapped;
+  // Packets have the time of their arrival; of other files somebody says the day, so that it counts for that day.
+  const needsDay = format !== null && format.name !== 'packet_log';
+  const isDayKnown = isDateOrEmpty(day) && (day !== '' || !needsDay);
+  const isReady = isDayKnown && file !== null && patientId !== null && orientation !== undefined && isMapped;
   const lacking =
     file === null
       ? 'upload.lacksFile'
@@ -122,7 +132,9 @@ export function UploadPage() {
           ? 'upload.lacksColumns'
           : patientId === null
             ? 'upload.lacksPatient'
-            : null;
+            : !isDayKnown
+              ? 'upload.lacksDay'
+              : null;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!isReady || !file || !patientId || !orientation) return;
@@ -140,6 +152,7 @@ export function UploadPage() {
       hemisphere,
       with_legs: withLegs && hasPose,
       accept_implausible: accepts,
+      recorded_at: day === '' ? null : noonOf(day),
     };
     const form = new FormData();
     form.set('declaration', JSON.stringify(declaration));
@@ -205,6 +218,12 @@ export function UploadPage() {
             onChange={setPatientId}
           />
           {patients.error && <Problem error={patients.error} />}
+          <DateField
+            label={t('upload.day')}
+            description={t(needsDay ? 'upload.dayHelp' : 'upload.dayOfFile')}
+            value={day}
+            onChange={setDay}
+          />
           <Select
             label={t('upload.exercise')}
             searchable

@@ -9,6 +9,8 @@ export interface DateFieldProps {
   description?: string;
   /** `2025-03-31`, empty for none; what cannot be read is passed on as it is, see `isDateOrEmpty`. */
   value: string;
+  /** Why a day that can be read cannot be. */
+  problem?: string | null;
   onChange: (value: string) => void;
 }
 
@@ -16,7 +18,7 @@ export interface DateFieldProps {
 export const isDateOrEmpty = (value: string) => readDay(value) !== null;
 
 /** Says what it understood as soon as the field is left, in words nobody can mistake. */
-export function DateField({ label, description, value, onChange }: DateFieldProps) {
+export function DateField({ label, description, value, problem, onChange }: DateFieldProps) {
   const [typed, setTyped] = useState(() => (value && isDateOrEmpty(value) ? dayWords(value) : value));
   const [isLeft, setLeft] = useState(false);
   const found = readDay(typed);
@@ -28,7 +30,7 @@ export function DateField({ label, description, value, onChange }: DateFieldProp
       autoComplete="off"
       maw={300}
       value={typed}
-      error={isLeft && found === null ? t('date.unclear') : null}
+      error={isLeft && found === null ? t('date.unclear') : (problem ?? null)}
       onChange={(event) => {
         const text = event.currentTarget.value;
         setTyped(text);

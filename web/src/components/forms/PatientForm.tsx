@@ -1,8 +1,11 @@
 import { Button, Checkbox, Group, SimpleGrid, Textarea, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
+import { Link } from 'react-router';
+import { ApiError } from '../../api/client';
 import type { BodyDimensions, Patient, PatientIn, Side } from '../../api/types';
 import { t } from '../../i18n';
 import { bodyLength } from '../../lib/format';
+import { birthError } from '../../lib/dates';
 import { readLengthCm } from '../../lib/lengths';
 import { DateField, isDateOrEmpty } from './DateField';
 import { SideChoice } from './Choice';
@@ -54,9 +57,15 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
     const cm = readLengthCm(lengths[name]);
     return cm === null || outOfRange(name) ? undefined : bodyLength(cm / 100);
   };
+  const [hasTried, setTried] = useState(false);
+  const [isAnother, setAnother] = useState(false);
+  const hasName = given.trim() !== '' || family.trim() !== '';
+  const birthProblem = birthError(birth);
+  const twin = error instanceof ApiError && error.details.field === 'is_another_person' ? error.details : null;
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (LENGTHS.some(outOfRange) || !isDateOrEmpty(birth)) return;
+    setTried(true);
+    if (LENGTHS.some(outOfRange) || !isDateOrEmpty(birth) || birthProblem || !hasName) return;
     const body: BodyDimensions = {};
     for (const name of LENGTHS) {
       const cm = readLengthCm(lengths[name]);
@@ -69,17 +78,26 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
       affected_side: side || null,
       notes,
       body_dimensions: body,
-      ...(patient ? {} : { agrees_to_treatment: agrees }),
+      ...(patient ? {} : { agrees_to_treatment: agrees, is_another_person: isAnother }),
     });
   };
   return (
     <form className="stack" onSubmit={submit}>
       {error ? <Problem error={error} /> : null}
+      {twin && (
+        <Group>
+          <Link to={`/patients/${String(twin.patient_id)}`}>{t('patient.openTwin')}</Link>
+          <Checkbox
+            label={t('patient.isAnother')}
+            checked={isAnother}
+            onChange={(event) => setAnother(event.currentTarget.checked)}
+          />
+        </Group>
+      )}
       <SimpleGrid cols={{ base: 1, xs: 2 }}>
         <TextInput
           label={t('patient.givenName')}
-          required
-          withAsterisk={false}
+          error={hasTried && !hasName ? t('patient.oneName') : null}
           maxLength={100}
           value={given}
           onChange={(event) => setGiven(event.currentTarget.value)}
@@ -87,14 +105,12 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         />
         <TextInput
           label={t('patient.familyName')}
-          required
-          withAsterisk={false}
           maxLength={100}
           value={family}
           onChange={(event) => setFamily(event.currentTarget.value)}
         />
       </SimpleGrid>
-      <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} />
+      <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} problem={birthProblem} />
       <SideChoice legend={t('patient.affectedSide')} value={side} onChange={setSide} allowNone />
       <fieldset className="fieldset">
         <legend>{t('patient.dimensions')}</legend>

@@ -64,6 +64,8 @@ export const common: Translated<typeof english> = {
   'affected.both': 'Beide Seiten betroffen',
 
   'date.example': '31.03.2025',
+  'date.bornInFuture': 'Das Jahr {year} liegt in der Zukunft: Prüfen Sie das Geburtsjahr.',
+  'date.bornTooLongAgo': 'Das Jahr {year} liegt mehr als {years} Jahre zurück: Prüfen Sie das Geburtsjahr.',
   'date.unclear': 'Schreiben Sie den Tag so: 31.03.2025.',
   'unit.perMetre': 'pro Meter',
   'unit.tolerances': '× Toleranz',

@@ -58,6 +58,8 @@ export const common = {
   'affected.both': 'Both sides affected',
 
   'date.example': '31 Mar 2025',
+  'date.bornInFuture': 'The year {year} is in the future: check the year of birth.',
+  'date.bornTooLongAgo': 'The year {year} is more than {years} years ago: check the year of birth.',
   'date.unclear': 'Write the day as 31 Mar 2025.',
   'unit.perMetre': 'per metre',
   'unit.tolerances': '× tolerance',

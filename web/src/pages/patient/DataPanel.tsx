@@ -3,9 +3,10 @@ import { Button, Modal, TextInput } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconArchive, IconArchiveOff, IconDownload, IconTrash } from '@tabler/icons-react';
 import { useState } from 'react';
-import { useNavigate } from 'react-router';
+import { Link, useNavigate } from 'react-router';
 import { useEditPatient, useErasePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
+import { MergeRecords } from './MergeRecords';
 import { Confirm } from '../../components/forms/Confirm';
 import { Notice, Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/account/useSignedIn';
@@ -33,12 +34,14 @@ function Erase({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const navigate = useNavigate();
   const erase = useErasePatient();
   const [typed, setTyped] = useState('');
+  // Some people have one name only.
+  const name = patient.family_name || patient.given_name;
   return (
     <div className="stack">
       {erase.error && <Problem error={erase.error} />}
       <p>{t('data.eraseText')}</p>
       <TextInput
-        label={t('data.eraseType', { name: patient.family_name })}
+        label={t('data.eraseType', { name })}
         value={typed}
         onChange={(event) => setTyped(event.currentTarget.value)}
         autoComplete="off"
@@ -50,7 +53,7 @@ function Erase({ patient, onDone }: { patient: Patient; onDone: () => void }) {
         </Button>
         <Button
           color="red.8"
-          disabled={typed.trim() !== patient.family_name}
+          disabled={typed.trim() !== name}
           loading={erase.isPending}
           leftSection={<IconTrash size={18} aria-hidden />}
           onClick={() => erase.mutate(patient.id, { onSuccess: () => void navigate('/', { replace: true }) })}
@@ -72,11 +75,20 @@ export function DataPanel({ patient }: { patient: Patient }) {
       <h2 id="data">{t('data.title')}</h2>
       {isArchived && (
         <Notice icon={<IconArchive size={22} aria-hidden />}>
-          <p>{t('data.archivedOn', { date: date(patient.archived_at ?? '') })}</p>
+          <p>
+            {t('data.archivedOn', { date: date(patient.archived_at ?? '') })}
+            {patient.merged_into_id && (
+              <>
+                {' '}
+                <Link to={`/patients/${patient.merged_into_id}`}>{t('merge.merged')}</Link>
+              </>
+            )}
+          </p>
         </Notice>
       )}
       <div className="data-buttons">
         <ExportButton patientId={patient.id} size="sm" />
+        {patient.may_treat && <MergeRecords patient={patient} />}
         {patient.may_manage &&
           (isArchived ? (
             <Button

@@ -48,7 +48,9 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
         {patient.birth_date && (
           <>
             <dt>{t('patient.born')}</dt>
-            <dd>{t('patient.bornAge', { date: date(patient.birth_date), age: age(patient.birth_date) })}</dd>
+            <dd>
+              {t('patient.bornAge', { date: date(patient.birth_date, new Date(0)), age: age(patient.birth_date) })}
+            </dd>
           </>
         )}
         <dt>{t('patient.sensors')}</dt>

@@ -16,6 +16,9 @@ export const patient: Translated<typeof english> = {
     'In cm oder m, zwischen den Gelenkmitten. Leer gelassene Längen werden aus der Körpergröße geschätzt.',
   'patient.lengthRange': '{low} bis {high} cm',
   'patient.notes': 'Notizen',
+  'patient.oneName': 'Schreiben Sie mindestens einen Namen.',
+  'patient.openTwin': 'Vorhandene Akte öffnen',
+  'patient.isAnother': 'Dies ist eine andere Person',
   'patient.agrees': 'Die Person willigt in die Behandlung ein',
   'patient.agreesHelp':
     'Die Praxis darf die Bewegungsdaten für die Behandlung verwenden. Fragen Sie zuerst: Ohne Einwilligung kann nichts aufgezeichnet werden. Sie können die Antwort auch später eintragen.',
@@ -33,6 +36,24 @@ export const patient: Translated<typeof english> = {
   'length.shoulder_width_m': 'Schulterbreite',
   'length.trunk_m': 'Rumpf',
 
+  'move.open': 'In eine andere Akte verschieben',
+  'move.title': 'Sitzung verschieben',
+  'move.text':
+    'Ergebnisse und Antworten gehen mit. Die Sitzung wird neu verglichen mit dem, was dort verordnet ist. Zurückschieben macht es rückgängig.',
+  'move.patient': 'Wer hat geübt?',
+  'move.exercise': 'Welche Übung war es?',
+  'move.reason': 'Grund',
+  'move.reasonHelp': 'Er bleibt im Zugriffsprotokoll beider Akten. Schreiben Sie keine Namen.',
+  'move.confirm': 'Verschieben',
+  'merge.open': 'Akten zusammenführen',
+  'merge.title': 'Zwei Akten einer Person zusammenführen',
+  'merge.text':
+    'Alle Sitzungen, Verordnungen, Vorlagen und Notizen der anderen Akte gehen zu {name}. Die andere Akte bleibt leer im Archiv.',
+  'merge.consents':
+    'Eine Einwilligung, die in einer Akte verweigert ist, gilt in der gemeinsamen als verweigert; nach einer, die nur in der anderen Akte steht, muss neu gefragt werden. Kolleginnen und Kollegen sehen nicht mehr als vorher. Geräte der anderen Akte müssen neu verbunden werden. Die Person behält eine Anmeldung.',
+  'merge.other': 'Andere Akte derselben Person',
+  'merge.confirm': 'Zusammenführen',
+  'merge.merged': 'Mit einer anderen Akte zusammengeführt',
   'access.title': 'Wer Zugriff hat',
   'access.add': 'Freigeben',
   'access.dialogTitle': 'Für jemanden aus dem Team freigeben',

@@ -12,6 +12,9 @@ export const patient = {
   'patient.dimensionsHelp': 'In cm or m, between joint centres. Lengths left empty are estimated from stature.',
   'patient.lengthRange': '{low} to {high} cm',
   'patient.notes': 'Notes',
+  'patient.oneName': 'Write at least one name.',
+  'patient.openTwin': 'Open the record that is there',
+  'patient.isAnother': 'This is another person',
   'patient.agrees': 'The patient agrees to treatment',
   'patient.agreesHelp':
     'Therapists of this clinic may use the movement data to treat the patient. Ask first: without it nothing can be recorded. You can also record the answer later.',
@@ -29,6 +32,24 @@ export const patient = {
   'length.shoulder_width_m': 'Shoulder width',
   'length.trunk_m': 'Trunk',
 
+  'move.open': 'Move to another patient',
+  'move.title': 'Move this session',
+  'move.text':
+    'Results and answers go with it. The session is compared anew with what is prescribed there. Moving it back undoes it.',
+  'move.patient': 'Patient who did it',
+  'move.exercise': 'Exercise that it was',
+  'move.reason': 'Reason',
+  'move.reasonHelp': 'It stays in the access log of both patients. Write no names.',
+  'move.confirm': 'Move',
+  'merge.open': 'Merge records',
+  'merge.title': 'Merge two records of one person',
+  'merge.text':
+    'All sessions, prescriptions, templates and notes of the other record move to {name}. The other record stays in the archive, empty.',
+  'merge.consents':
+    'A consent that was refused in one record is refused in the merged one; one that was given only in the other record must be asked for again. Colleagues see no more than before. Devices of the other record must be connected again. The patient keeps one sign-in.',
+  'merge.other': 'Other record of the same person',
+  'merge.confirm': 'Merge',
+  'merge.merged': 'Merged into another record',
   'access.title': 'Who has access',
   'access.add': 'Share',
   'access.dialogTitle': 'Share with a colleague',

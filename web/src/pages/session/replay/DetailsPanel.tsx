@@ -11,6 +11,7 @@ import { placementLabel } from '../../../lib/channels';
 import { dateTime, duration, number } from '../../../lib/format';
 import { estimatorTitle } from '../../../lib/sessions';
 import { scoreText } from '../live/Calibration';
+import { MoveSession } from './MoveSession';
 import { Reprocess } from './Reprocess';
 
 /** What made a result, so that two of them are never mixed up. */
@@ -88,6 +89,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
         >
           {t('details.raw')}
         </Button>
+        {session.may_treat && <MoveSession session={session} />}
         {session.may_treat && (
           <Confirm
             label={t('details.delete')}
