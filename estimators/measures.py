@@ -24,6 +24,8 @@ class NamedMeasure:
         Of one repetition: of its values; empty where it is that of the channel. Others travel with their values.
     is_main : bool
         Shown at once, the others when asked for. Of a repetition: a column of the table by repetition.
+    is_index : bool
+        Of a repetition: for who studies movement; the report of a course has it on its last sheet.
     """
 
     name: str
@@ -31,6 +33,7 @@ class NamedMeasure:
     label: str = ""
     unit: str = ""
     is_main: bool = False
+    is_index: bool = False
 
 
 MEASURES: Final = (
@@ -94,33 +97,51 @@ MEASURES: Final = (
     ),
     NamedMeasure("shape_deviation", "repetition", "Difference in shape", unit="bands", is_main=True),
     NamedMeasure("inside_band", "repetition", "Share inside the band", unit="%", is_main=True),
-    NamedMeasure("peak_deviation_phase", "repetition", "Phase of the largest difference", unit="%"),
+    NamedMeasure(
+        "peak_deviation_phase", "repetition", "Phase of the largest difference", unit="%", is_index=True
+    ),
     NamedMeasure("peak_speed", "repetition", "Peak hand speed", unit="m/s", is_main=True),
     NamedMeasure("mean_speed", "repetition", "Mean hand speed", unit="m/s"),
     NamedMeasure("peak_turning_speed", "repetition", "Peak turning speed", unit="rad/s"),
     NamedMeasure("mean_turning_speed", "repetition", "Mean turning speed", unit="rad/s"),
-    NamedMeasure("path_residual", "repetition", "Hand path, what differs in shape", unit="m"),
-    NamedMeasure("path_turn", "repetition", "Hand path, turned from the template", unit="rad"),
-    NamedMeasure("path_scale", "repetition", "Hand path, factor to the template's size", unit="1"),
-    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)", unit="1", is_main=True),
+    NamedMeasure("path_residual", "repetition", "Hand path, what differs in shape", unit="m", is_index=True),
+    NamedMeasure("path_turn", "repetition", "Hand path, turned from the template", unit="rad", is_index=True),
     NamedMeasure(
-        "log_dimensionless_jerk", "repetition", "Smoothness (log dimensionless jerk)", unit="1", is_main=True
+        "path_scale", "repetition", "Hand path, factor to the template's size", unit="1", is_index=True
     ),
-    NamedMeasure("movement_units", "repetition", "Movement units", unit="count"),
-    NamedMeasure("units_per_metre", "repetition", "Movement units per metre", unit="1/m"),
     NamedMeasure(
-        "joint_correlation", "repetition", "Shoulder and elbow together (correlation)", unit="1", is_main=True
+        "spectral_arc_length", "repetition", "Smoothness (SPARC)", unit="1", is_main=True, is_index=True
     ),
-    NamedMeasure("joint_lag", "repetition", "Elbow behind shoulder", unit="s"),
-    NamedMeasure("joint_common_share", "repetition", "Movement that shoulder and elbow share", unit="%"),
+    NamedMeasure(
+        "log_dimensionless_jerk",
+        "repetition",
+        "Smoothness (log dimensionless jerk)",
+        unit="1",
+        is_main=True,
+        is_index=True,
+    ),
+    NamedMeasure("movement_units", "repetition", "Movement units", unit="count", is_index=True),
+    NamedMeasure("units_per_metre", "repetition", "Movement units per metre", unit="1/m", is_index=True),
+    NamedMeasure(
+        "joint_correlation",
+        "repetition",
+        "Shoulder and elbow together (correlation)",
+        unit="1",
+        is_main=True,
+        is_index=True,
+    ),
+    NamedMeasure("joint_lag", "repetition", "Elbow behind shoulder", unit="s", is_index=True),
+    NamedMeasure(
+        "joint_common_share", "repetition", "Movement that shoulder and elbow share", unit="%", is_index=True
+    ),
     NamedMeasure(
         "hand_path_ratio", "repetition", "Hand path relative to a straight line", unit="1", is_main=True
     ),
     NamedMeasure("range_ratio:", "repetition", "range relative to the template", unit="1"),
     NamedMeasure("peak_deviation:", "repetition", "largest difference"),
-    NamedMeasure("shape_rms:", "repetition", "difference in shape"),
-    NamedMeasure("multiple_correlation:", "repetition", "consistency (CMC)", unit="1"),
-    NamedMeasure("repetition_rms:", "repetition", "spread of the repetitions"),
+    NamedMeasure("shape_rms:", "repetition", "difference in shape", is_index=True),
+    NamedMeasure("multiple_correlation:", "repetition", "consistency (CMC)", unit="1", is_index=True),
+    NamedMeasure("repetition_rms:", "repetition", "spread of the repetitions", is_index=True),
     NamedMeasure("compensation:", "repetition", "range", is_main=True),
 )
 """In the order in which they are shown, the most telling first."""

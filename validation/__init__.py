@@ -63,6 +63,7 @@ from validation.orientation.broad_offline import BROAD_OFFLINE
 from validation.orientation.covariance import COVARIANCE
 from validation.orientation.honesty import HONESTY
 from validation.orientation.wrong_inputs import WRONG_INPUTS
+from validation.progress import PROGRESS_FALSE_ALARMS, PROGRESS_INTERVAL, PROGRESS_POWER
 from validation.protocol import (
     Curve,
     Data,
@@ -123,6 +124,9 @@ _PROTOCOLS = (
     COUNT,
     CUES,
     COST,
+    PROGRESS_FALSE_ALARMS,
+    PROGRESS_POWER,
+    PROGRESS_INTERVAL,
     FUNCTIONAL_CALIBRATION,
     JOINT_HEADINGS,
     INCLINATION_TASKS,

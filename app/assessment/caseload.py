@@ -3,7 +3,7 @@
 Worries (`app.assessment.worries`) happened in a session and stay until a therapist has marked them as seen: `pain`,
 `stop`, `link_lost`, `compensation`. The line has the gravest of them, the newest of its kind, and how many there are.
 Reasons besides are states of today, and go when they are over: `link_lost` (a session is open and nothing comes from
-its sensors), `declining` (the main measure fell by more than the minimal detectable change), `few_repetitions` (fewer
+its sensors), `declining` (the main measure falls with a probability of 0.95 or more), `few_repetitions` (fewer
 than half of the prescribed ones were valid), `not_practising`, `rarely_practised` (fewer than half of the sessions that
 were due in four weeks), `bad_data` (the last session failed or lost more than a tenth of its packets), `no_template`.
 The reason of a line is the most urgent of both. That somebody streams is no worry: it stands beside the reason in
@@ -21,8 +21,10 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment.course.attention import too_few
+from app.assessment.course.judgement import Decline, decline_of
+from app.assessment.course.scatter import scatters_of
 from app.assessment.course.trend import by_day
-from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
+from app.assessment.measures import SessionValue, by_patient, pooled_spread, session_values
 from app.assessment.practice import ADHERENCE_WINDOW, WHEN, adherence, done_since, last_done, zone_of
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
@@ -168,7 +170,8 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
         ]
         given, found = prescriptions[patient.id], sessions[patient.id]
         practised = adherence([one for one, _ in given], done[patient.id], now, zone)
-        state = _state(given, found, own, with_version, now, practised)
+        decline = decline_of(own, scatters_of(session, subject.clinic_id, exercise, zone), zone)
+        state = _state(given, found, decline, with_version, now, practised)
         waiting = unseen(worries[patient.id])
         lines.append(_Line(patient, given, found, own, exercise, practised, waiting, state))
     lines.sort(key=lambda line: line.place)
@@ -245,16 +248,15 @@ def _action_session(line: _Line) -> str | None:
 def _state(
     given: list[tuple[Prescription, Exercise]],
     sessions: _Sessions,
-    values: list[SessionValue],
+    decline: Decline | None,
     with_version: set[str],
     now: datetime,
     practised_percent: float | None,
 ) -> tuple[Reason, str]:
     """Return the most urgent reason to look that is no worry."""
     prescriptions = [prescription for prescription, _ in given]
-    moved = recent_change(values)
-    if moved.is_real and moved.difference is not None and moved.difference < 0.0:
-        return "declining", say("caseload.declining")
+    if decline is not None:
+        return "declining", decline.text
     if sessions.lost_id is not None:
         return "link_lost", say("caseload.link_lost")
     if sessions.last is not None and (text := too_few(sessions.last, given)):

@@ -1,11 +1,10 @@
-"""Measured values over sessions: the queries behind progress and the caseload, and the statistics of change.
+"""Measured values over sessions: the queries behind progress and the caseload.
 
 One session gives one value per measure: the mean over its accepted repetitions, from the newest comparison of the
 session's main result. Their spread is the standard deviation between repetitions.
 """
 
 import math
-import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -16,11 +15,8 @@ from sqlalchemy import ColumnElement, Subquery, func, insert, select
 from sqlalchemy.orm import Session
 
 from app.assessment.models import ALL_REPETITIONS, Comparison, ComparisonMeasure, RepetitionMeasure
+from app.exercises.models import TemplateVersion
 from app.recordings.models import MotionSession, Result
-from estimators.comparison.measures import FEWEST_SESSIONS, detectable_change
-
-BASELINE: Final = FEWEST_SESSIONS
-"""Sessions needed before it can be said how much one differs from another without any change."""
 
 _MEASURES: Final[Any] = ComparisonMeasure.__table__
 """By the table itself, whose rows come sooner than those of the class."""
@@ -39,6 +35,12 @@ class SessionValue:
         the value.
     count : int
         Repetitions.
+    template_id : str
+        Of the template version; empty without a template.
+    placements : tuple of str
+        Where sensors were worn, sorted; empty where nobody wrote it down.
+    is_of_all : bool
+        The value is of all repetitions together: `spread` is the standard deviation of the value itself.
     """
 
     patient_id: str
@@ -54,29 +56,9 @@ class SessionValue:
     orientation_version: str
     pipeline_version: str
     template_version_id: str
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """How a measure moved from the baseline, and whether that is more than one session differs from another.
-
-    Attributes
-    ----------
-    difference : float or None
-        What is compared minus the mean of what it is compared with; None where there is none of either.
-    minimal_detectable : float or None
-        Smallest difference from the baseline that is unlikely to be chance; None without a baseline.
-    """
-
-    difference: float | None
-    minimal_detectable: float | None
-
-    @property
-    def is_real(self) -> bool | None:
-        """Whether the difference is larger than the minimal detectable one; None when that is unknown."""
-        if self.difference is None or self.minimal_detectable is None:
-            return None
-        return abs(self.difference) > self.minimal_detectable
+    template_id: str = ""
+    placements: tuple[str, ...] = ()
+    is_of_all: bool = False
 
 
 def session_values(
@@ -119,9 +101,12 @@ def session_values(
             Result.orientation_version,
             Result.pipeline_version,
             Comparison.template_version_id,
+            TemplateVersion.template_id,
+            MotionSession.setup["placements"],
         )
         .join(newest, (newest.c.id == Comparison.id) & (newest.c.rank == 1))
         .join(Result, Result.id == Comparison.result_id)
+        .join(TemplateVersion, TemplateVersion.id == Comparison.template_version_id)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
         .order_by(MotionSession.patient_id, at, MotionSession.id)
     ).all()
@@ -149,9 +134,8 @@ def _value(head: Sequence[Any], measured: Sequence[Any]) -> SessionValue:
 
     Rows are taken apart by place: by name each of ten thousand costs far more.
     """
-    _, patient, exercise, name, started_at, created_at, counted, orientation, version, pipeline, template = (
-        head
-    )
+    _, patient, exercise, name, started_at, created_at, counted, orientation, version, pipeline, *made = head
+    template_version, template, worn = made
     _, measure, unit, mean, mean_square, repetitions, is_of_all, uncertainty = measured
     return SessionValue(
         patient_id=patient,
@@ -166,8 +150,16 @@ def _value(head: Sequence[Any], measured: Sequence[Any]) -> SessionValue:
         orientation=orientation,
         orientation_version=version,
         pipeline_version=pipeline,
-        template_version_id=template,
+        template_version_id=template_version,
+        template_id=template,
+        placements=placed(worn),
+        is_of_all=bool(is_of_all),
     )
+
+
+def placed(worn: Sequence[str] | None) -> tuple[str, ...]:
+    """Return where sensors were worn, as `SessionValue` has it."""
+    return tuple(sorted(worn or ()))
 
 
 def store_drawn(session: Session, comparison_id: str) -> None:
@@ -237,67 +229,6 @@ def pooled_spread(values: Sequence[SessionValue]) -> float | None:
     if not freedom:
         return None
     return math.sqrt(sum(spread**2 * (count - 1) for spread, count in known) / freedom)
-
-
-def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
-    """Return how far a session must be from the mean of the baseline before that is unlikely (5 percent) to be chance.
-
-    Parameters
-    ----------
-    baseline : sequence of SessionValue
-        Of one measure, from sessions between which nothing is supposed to have changed.
-
-    Returns
-    -------
-    float or None
-        In the unit of the measure; None with fewer than three sessions.
-
-    Notes
-    -----
-    t sd sqrt(1 + 1/k) of the means of k baseline sessions (`estimators.comparison.measures.detectable_change`). The
-    spread between repetitions of one day is not used: they resemble each other more than sessions do, and would call
-    a different day a real change. A mean of several later sessions is judged by the same limit, which is then on the
-    safe side.
-    """
-    limit = detectable_change([value.mean for value in baseline])
-    return limit if math.isfinite(limit) else None
-
-
-def recent_change(values: Sequence[SessionValue]) -> Change:
-    """Compare the last three sessions with the three before them, fewer where there are not six.
-
-    Parameters
-    ----------
-    values : sequence of SessionValue
-        Of one measure, oldest first.
-    """
-    limit = minimal_detectable_change(values[:BASELINE])
-    if len(values) <= BASELINE:
-        return Change(None, limit)
-    recent = values[-2 * BASELINE :]
-    half = len(recent) // 2
-    return Change(_mean(recent[-half:]) - _mean(recent[:half]), limit)
-
-
-def session_changes(values: Sequence[SessionValue]) -> list[Change]:
-    """Compare each session with the baseline, the first three; one of the baseline itself has no difference.
-
-    Parameters
-    ----------
-    values : sequence of SessionValue
-        Of one measure, oldest first.
-    """
-    first, later = values[:BASELINE], values[BASELINE:]
-    limit = minimal_detectable_change(first)
-    before = [Change(None, limit)] * len(first)
-    if limit is None:
-        return before
-    middle = _mean(first)
-    return [*before, *(Change(value.mean - middle, limit) for value in later)]
-
-
-def _mean(values: Sequence[SessionValue]) -> float:
-    return statistics.fmean(value.mean for value in values)
 
 
 def _spread(mean: float, mean_square: float, count: int) -> float | None:

@@ -35,10 +35,19 @@ def read_caseload(
 
 @router.get("/patients/{patient_id}/progress", tags=["patients"])
 def read_progress(
-    patient_id: str, subject: CurrentAccount, session: ReadSession, exercise_id: str | None = None
+    patient_id: str,
+    subject: CurrentAccount,
+    session: ReadSession,
+    request: Request,
+    exercise_id: str | None = None,
+    until: str | None = None,
 ) -> Progress:
-    """Return progress in one exercise; without `exercise_id` in the one practised last."""
-    return progress(session, subject, patient_id, exercise_id)
+    """Return progress in one exercise; without `exercise_id` in the one practised last.
+
+    With `until`, a session, as it was known with that one.
+    """
+    zone = services_of(request).settings.time_zone
+    return progress(session, subject, patient_id, exercise_id, zone, until)
 
 
 @router.get("/patients/{patient_id}/prescriptions", tags=["exercises"])

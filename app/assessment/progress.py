@@ -1,9 +1,8 @@
-"""A patient's progress in one exercise: values over sessions, change against chance, and what else changed
-meanwhile.
-"""
+"""A patient's progress in one exercise: values over sessions, what may be said of their trend, and events beside it."""
 
 from collections import defaultdict
 from collections.abc import Mapping
+from datetime import tzinfo
 from itertools import pairwise
 
 from sqlalchemy import select
@@ -13,16 +12,11 @@ from app.accounts import audit
 from app.accounts.subject import Subject
 from app.assessment.course.attention import PAIN
 from app.assessment.course.bands import bands_of, other_side_values, walked_other_side
-from app.assessment.measures import (
-    BASELINE,
-    Change,
-    SessionValue,
-    minimal_detectable_change,
-    pooled_spread,
-    session_changes,
-    session_values,
-)
-from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
+from app.assessment.course.judgement import judged
+from app.assessment.course.scatter import scatters_of
+from app.assessment.measures import SessionValue, pooled_spread, session_values
+from app.assessment.practice import zone_of
+from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint, ProgressTrend
 from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
@@ -34,7 +28,14 @@ from estimators.comparison import measure_label
 from estimators.gait import GUIDED_KINDS
 
 
-def progress(session: Session, subject: Subject, patient_id: str, exercise_id: str | None) -> Progress:
+def progress(
+    session: Session,
+    subject: Subject,
+    patient_id: str,
+    exercise_id: str | None,
+    default_zone: str,
+    until: str | None = None,
+) -> Progress:
     """Return a patient's progress.
 
     Parameters
@@ -45,6 +46,10 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     patient_id : str
     exercise_id : str, optional
         The exercise practised last when absent: values of different exercises do not belong on one axis.
+    default_zone : str
+        Setting `time_zone`, for clinics that have not set theirs.
+    until : str, optional
+        A session: later ones are left out, so that its report says what was known with it.
 
     Raises
     ------
@@ -58,9 +63,13 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
         if exercise is None or exercise.clinic_id != patient.clinic_id:
             raise NotFound(say("exercise.not_found"))
     values = session_values(session, [patient_id], exercise_id)
-    walked = walk_values(session, patient_id, exercise_id)
+    walked = walk_values(session, [patient_id], exercise_id)
+    last = next((value.at for value in [*values, *walked] if value.session_id == until), None)
+    if last is not None:
+        values, walked = ([one for one in found if one.at <= last] for found in (values, walked))
+    zone = zone_of(session, patient.clinic_id, default_zone)
     if walked and (not values or walked[-1].at >= values[-1].at):
-        return _of_walks(session, patient, walked, values)
+        return _of_walks(session, patient, walked, values, zone)
     if exercise_id is None and values:
         exercise_id = values[-1].exercise_id
         values = [value for value in values if value.exercise_id == exercise_id]
@@ -72,15 +81,21 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     measures = _by_measure(values)
     names = sorted(measures, key=lambda name: (name != first, name))
     others = other_side_values(session, patient, exercise)
+    known = scatters_of(session, patient.clinic_id, exercise, zone)
+    found = judged({name: measures[name] for name in names}, names[0] if names else None, known, zone)
     return Progress(
         exercise_id=exercise_id,
-        measures=[_measure(patient, measures[name], others) for name in names],
+        measures=[_measure(patient, measures[name], found[name], others) for name in names],
         events=_events(session, patient_id, exercise_id, values),
     )
 
 
 def _of_walks(
-    session: Session, patient: Patient, walked: list[SessionValue], compared: list[SessionValue]
+    session: Session,
+    patient: Patient,
+    walked: list[SessionValue],
+    compared: list[SessionValue],
+    zone: tzinfo,
 ) -> Progress:
     """Return the progress of the walks of one kind; of all kinds, that of the newest.
 
@@ -92,13 +107,19 @@ def _of_walks(
     beside = [value for value in compared if value.session_id in walks]
     measures, of_strides = _by_measure(values), _by_measure(beside)
     others = walked_other_side(patient, values)
+    names, strides = sorted(measures, key=walk_order), sorted(of_strides)
+    exercise = session.get(Exercise, exercise_id) if exercise_id else None
+    known = scatters_of(session, patient.clinic_id, exercise, zone)
+    found = judged(
+        {name: measures[name] for name in names} | {name: of_strides[name] for name in strides},
+        names[0],
+        known,
+        zone,
+    )
     return Progress(
         exercise_id=exercise_id,
-        measures=[
-            _measure(patient, measures[name], others, walk_label(name))
-            for name in sorted(measures, key=walk_order)
-        ]
-        + [_measure(patient, of_strides[name], {}) for name in sorted(of_strides)],
+        measures=[_measure(patient, measures[name], found[name], others, walk_label(name)) for name in names]
+        + [_measure(patient, of_strides[name], found[name], {}) for name in strides],
         events=_events(session, patient.id, exercise_id, sorted([*values, *beside], key=lambda one: one.at)),
     )
 
@@ -123,6 +144,7 @@ def main_measure(exercise: Exercise) -> str:
 def _measure(
     patient: Patient,
     values: list[SessionValue],
+    trend: ProgressTrend,
     others: Mapping[str, SessionValue],
     label: str | None = None,
 ) -> ProgressMeasure:
@@ -131,16 +153,13 @@ def _measure(
         measure=values[0].measure,
         label=label or measure_label(values[0].measure),
         unit=values[0].unit,
-        points=[
-            _point(value, pooled, one) for value, one in zip(values, session_changes(values), strict=True)
-        ],
-        minimal_detectable_change=minimal_detectable_change(values[:BASELINE]),
-        baseline_sessions=min(len(values), BASELINE),
+        points=[_point(value, pooled) for value in values],
+        trend=trend,
         bands=bands_of(patient, values[-1], others),
     )
 
 
-def _point(value: SessionValue, pooled: float | None, moved: Change) -> ProgressPoint:
+def _point(value: SessionValue, pooled: float | None) -> ProgressPoint:
     low, high = band(value, pooled)
     return ProgressPoint(
         session_id=value.session_id,
@@ -151,8 +170,6 @@ def _point(value: SessionValue, pooled: float | None, moved: Change) -> Progress
         count=value.count,
         orientation=f"{value.orientation} {value.orientation_version}",
         template_version_id=value.template_version_id or None,
-        change=moved.difference,
-        is_real_change=moved.is_real,
     )
 
 

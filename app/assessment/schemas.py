@@ -190,10 +190,6 @@ class ProgressPoint:
     """Repetitions behind the value."""
     orientation: str
     template_version_id: str | None
-    change: float | None
-    """Against the mean of the first three sessions; None for these and before there are three."""
-    is_real_change: bool | None
-    """Whether that is more than the minimal detectable change."""
 
 
 class ProgressBand(Spoken):
@@ -214,6 +210,65 @@ class ProgressBand(Spoken):
     """(45 deg - atan(left / right)) / 90 deg; 0 is alike."""
 
 
+ChangeWord = Literal[
+    "values",
+    "more",
+    "less",
+    "a_little_more",
+    "a_little_less",
+    "probably_more",
+    "probably_less",
+    "unchanged",
+    "unknown",
+]
+
+
+class ProgressBreak(Schema):
+    """From when on a measure is measured in another way: a step there is no change of the patient."""
+
+    at: datetime
+    kind: Literal["estimator", "template", "placement"]
+
+
+class ProgressTrend(Schema):
+    """What may be said of how a measure changed since the baseline: the first day of the last eight weeks."""
+
+    word: ChangeWord
+    """`values`: three days or fewer, nothing may be said. `a_little_...`: surely, but less than what matters.
+    `probably_...`: with a probability of 0.8 to 0.975. `unchanged`: the interval is narrow. `unknown`: it is wide."""
+    since: datetime
+    """The day of the baseline."""
+    until: datetime
+    """The last day that counts: the newest, or the one before it where the newest is unusual."""
+    days: int
+    """With values, from the baseline on."""
+    start: float | None
+    now: float | None
+    """Levels of both days by the trend; None where nothing may be said, as what follows."""
+    change: float | None
+    half_width: float | None
+    """Half of the 95 percent interval of the change."""
+    per_week: float | None
+    probability: float | None
+    """That the change is above zero."""
+    important: float | None
+    """The least change that matters to people, where it was published."""
+    important_source: str
+    scatter: float | None
+    """Standard error of measurement: by how much one session differs from another without any change."""
+    scatter_people: int
+    """How many others it was shrunk to; 0: by the patient's own sessions alone."""
+    scatter_source: str
+    """Where these were published; empty where they are of the clinic."""
+    minimal_detectable_change: float | None
+    """Of two single sessions, at 95 percent: 1.96 sqrt(2) times `scatter`."""
+    is_last_day_unusual: bool
+    """The newest day is one of a hundred by those before it, and is left out."""
+    expected: float | None
+    """Then what was expected of it."""
+    breaks: list[ProgressBreak]
+
+
 class ProgressMeasure(Schema):
     """One measure over the sessions."""
 
@@ -221,10 +276,7 @@ class ProgressMeasure(Schema):
     label: str
     unit: str
     points: list[ProgressPoint]
-    minimal_detectable_change: float | None
-    """At 95 percent, of test and retest, from the spread between the baseline sessions; None before there are three."""
-    baseline_sessions: int
-    """Of the first three, those that there are: fewer than three are too few to tell a change from chance."""
+    trend: ProgressTrend
     bands: list[ProgressBand]
 
 

@@ -196,7 +196,7 @@ async def _send(
         return answer(status, code, message, details)
     # Before the handshake this becomes a refusal (HTTP 403); after it, a close frame with the code as its
     # reason.
-    # Whoever was told why by a message may have left already.
+    # Whoever heard why by a message may have left already.
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.close(code=CLOSE_CODES.get(status, 1011), reason=code)
     return None

@@ -75,7 +75,14 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "caseload.compensation_angle": "{channel:channel}: {more_rad:deg} more than in the template.",
     "caseload.compensation_length": "{channel:channel}: {more_m:cm} more than in the template.",
     "caseload.few_repetitions": "{valid} of {count} prescribed repetitions were valid in the last session.",
-    "caseload.declining": "The range has decreased by more than sessions differ by chance.",
+    "caseload.declining": {
+        "one": "{channel:channel}: has probably decreased within {count} week.",
+        "other": "{channel:channel}: has probably decreased within {count} weeks.",
+    },
+    "caseload.declining_angle": {
+        "one": "{channel:channel}: probably {less_rad:deg} ± {half_rad:deg} less than {count} week ago.",
+        "other": "{channel:channel}: probably {less_rad:deg} ± {half_rad:deg} less than {count} weeks ago.",
+    },
     "caseload.dead_link": "The link to the sensors was lost for more than {silence_s:s}.",
     "caseload.dead_to_the_end": "The link to the sensors was lost and did not come back.",
     "caseload.link_lost": "A session is open, but no data comes from the sensors.",

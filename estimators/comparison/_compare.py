@@ -16,7 +16,6 @@ from estimators.comparison._contract import (
     Template,
     Trajectory,
 )
-from estimators.comparison._findings import write_findings
 from estimators.comparison._judgement import judge_repetitions, leave_out_gaps
 from estimators.comparison._measures import (
     SMALLEST_PATH,
@@ -35,6 +34,7 @@ from estimators.comparison._template import (
 from estimators.comparison.channels.mirror import mirror_template
 from estimators.comparison.channels.names import channel_unit, is_of_stride
 from estimators.comparison.channels.sided import SideChannels, side_channels
+from estimators.comparison.findings._findings import write_findings
 from estimators.comparison.measures.of_session import likeness_measures
 from estimators.comparison.repetitions import counted_repetitions, find_repetitions
 from estimators.errors import SetupError

@@ -66,9 +66,12 @@ def document() -> dict[str, Any]:
 
 
 def measures() -> dict[str, Any]:
-    """Return the names of measures by their part, in the order in which they are shown: the main ones, then all others."""
+    """Return the names of measures by their part, in the order in which they are shown.
+
+    The main ones, then all others; `indices` are those of a repetition that only who studies movement reads.
+    """
     parts = dict.fromkeys(one.part for one in MEASURES)
-    return {
+    return {"indices": [one.name for one in MEASURES if one.is_index]} | {
         part: {"main": measures_of(part, is_main=True), "more": measures_of(part, is_main=False)}
         for part in parts
     }

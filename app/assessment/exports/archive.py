@@ -19,6 +19,7 @@ from app.assessment.design import shown
 from app.assessment.exports.movement import reading, write_movement
 from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
+from app.assessment.progress import progress
 from app.exercises.models import Template, TemplateVersion
 from app.kinds.magnetic.safety import EVENT, WITHDRAWN
 from app.network.packet_log import write_log
@@ -38,6 +39,7 @@ _MOST_EVENTS: Final = 100_000
 _GUIDE: Final = """Movement data of one patient, exported from Telemotion.
 
 patient.json               master data, who may see it, consents, prescriptions, devices
+progress.json              by exercise: each measure over the sessions, and what may be said of its change
 access.json                who did what with the data, newest first
 templates/<name>-<number>.json  a template made for or from the patient: its curves, band and repetitions
 sessions/<when>-<number>/
@@ -84,7 +86,18 @@ def write_archive(
             .order_by(MotionSession.created_at)
         ).all()
         versions = session.scalars(_templates_of(patient_id)).all()
+        followed = session.scalars(
+            select(MotionSession.exercise_id)
+            .where(MotionSession.patient_id == patient_id, MotionSession.exercise_id.is_not(None))
+            .distinct()
+            .order_by(MotionSession.exercise_id)
+        ).all()
     _json(archive, "access.json", access)
+    _json(
+        archive,
+        "progress.json",
+        [_progress(engine, subject, patient_id, one, default_zone) for one in followed],
+    )
     for version_id in versions:
         with reading(engine) as session:
             found = shown.detail(session, subject, version_id)
@@ -92,6 +105,13 @@ def write_archive(
         _json(archive, f"templates/{name}-{found.number}-{found.id[:8]}.json", _plain(found))
     for session_id in sessions:
         _write_session(archive, engine, subject, session_id)
+
+
+def _progress(
+    engine: Engine, subject: Subject, patient_id: str, exercise_id: str | None, default_zone: str
+) -> dict[str, Any]:
+    with reading(engine) as session:
+        return _plain(progress(session, subject, patient_id, exercise_id, default_zone))
 
 
 def _templates_of(patient_id: str) -> Any:

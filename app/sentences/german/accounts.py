@@ -186,7 +186,14 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "caseload.compensation_length": "{channel:channel}: {more_m:cm} mehr als in der Vorlage.",
     "caseload.dead_link": "Die Verbindung zu den Sensoren war länger als {silence_s:s} unterbrochen.",
     "caseload.dead_to_the_end": "Die Verbindung zu den Sensoren brach ab und kam nicht zurück.",
-    "caseload.declining": "Der Umfang hat stärker abgenommen, als sich Sitzungen zufällig unterscheiden.",
+    "caseload.declining": {
+        "one": "{channel:channel}: hat innerhalb von {count} Woche wahrscheinlich abgenommen.",
+        "other": "{channel:channel}: hat innerhalb von {count} Wochen wahrscheinlich abgenommen.",
+    },
+    "caseload.declining_angle": {
+        "one": "{channel:channel}: wahrscheinlich {less_rad:deg} ± {half_rad:deg} weniger als vor {count} Woche.",
+        "other": "{channel:channel}: wahrscheinlich {less_rad:deg} ± {half_rad:deg} weniger als vor {count} Wochen.",
+    },
     "caseload.failed": "Die letzte Sitzung ist fehlgeschlagen.",
     "caseload.few_repetitions": "{valid} von {count} verordneten Wiederholungen waren in der letzten Sitzung"
     " gültig.",

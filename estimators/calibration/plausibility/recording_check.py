@@ -317,7 +317,7 @@ class _Verdict:
             code = "gyroscope_or_accelerometer_axes"
             message = say("readings.axes_apart", where=where, mapping=axes)
         if not explanation.is_certain:
-            # Which triad, and how its axes would be right, is told where the readings then fit clearly better.
+            # Which triad, and how its axes would be right, is reported where the readings then fit clearly better.
             message = say("readings.axes_in_doubt", where=where)
         self._tell(code, message, explanation.gain, severity)
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
-from estimators.comparison._outside import Outside
 from estimators.comparison.channels.names import channel_name, channel_unit
+from estimators.comparison.findings._outside import Outside
 from estimators.sentences import CATALOGUE, Sentence, say
 
 _DIRECTIONS: Final = {

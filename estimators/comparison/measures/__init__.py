@@ -1,6 +1,5 @@
 """Measures of movement with their undefined cases: of one stroke, between joints, between curves, between sessions."""
 
-from estimators.comparison.measures.change import FEWEST_SESSIONS, detectable_change, pooled_detectable_change
 from estimators.comparison.measures.coordination import (
     Coordination,
     MultipleCorrelation,
@@ -17,16 +16,13 @@ from estimators.comparison.measures.strokes import (
 from estimators.comparison.measures.symmetry import symmetry_angle, symmetry_ratio
 
 __all__ = [
-    "FEWEST_SESSIONS",
     "Coordination",
     "MultipleCorrelation",
     "Superposition",
-    "detectable_change",
     "interjoint_coordination",
     "log_dimensionless_jerk",
     "multiple_correlation",
     "outward_stroke",
-    "pooled_detectable_change",
     "superimpose",
     "symmetry_angle",
     "symmetry_ratio",

@@ -1,15 +1,13 @@
 """Progress and caseload: the statistics by hand, the reasons by example."""
 
-import math
 from collections import Counter
-from dataclasses import replace
 from datetime import UTC, date, timedelta
 
 import numpy as np
 import pytest
 
 from app.assessment import caseload
-from app.assessment.measures import minimal_detectable_change, session_changes, session_values
+from app.assessment.measures import session_values
 from app.assessment.practice import Done, adherence
 from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
@@ -37,67 +35,6 @@ def test_a_session_is_mean_spread_and_count(history):
     assert value.mean == pytest.approx(np.mean(repetitions))
     assert value.spread == pytest.approx(np.std(repetitions, ddof=1))
     assert (value.count, value.unit) == (4, "rad")
-
-
-def test_detectable_change_follows_its_formula(history):
-    """From the spread between three sessions (their means), not from that between repetitions of one."""
-    for age, mean in zip((3, 2, 1), (1.0, 1.3, 1.1), strict=True):
-        history.session(age, [mean - 0.5, mean + 0.5])
-    values = values_of(history)
-    quantile = 4.302653
-    expected = quantile * math.sqrt(1 + 1 / 3) * np.std([1.0, 1.3, 1.1], ddof=1)
-    assert minimal_detectable_change(values) == pytest.approx(expected, rel=1e-6)
-    assert minimal_detectable_change(values[:2]) is None
-    baseline = [replace(values[0], mean=mean) for mean in (50.0, 54.0, 52.0)]
-    assert minimal_detectable_change(baseline) == pytest.approx(9.94, abs=0.005)
-
-
-def test_each_session_is_compared_with_the_first_three(history):
-    means = [1.0, 1.05, 1.1, 5.0, 1.7, 1.8]
-    for age, mean in zip(range(6, 0, -1), means, strict=True):
-        history.session(age, [mean - 0.01, mean + 0.01])
-    values = values_of(history)
-    moved = session_changes(values)
-    assert [one.difference for one in moved[:3]] == [None] * 3, (
-        "a session of the baseline has nothing before it"
-    )
-    assert [one.difference for one in moved[3:]] == pytest.approx([3.95, 0.65, 0.75])
-    assert [one.is_real for one in moved] == [None] * 3 + [True] * 3
-    assert session_changes(values[:4])[3] == moved[3], "what comes later changes nothing"
-    assert [one.minimal_detectable for one in session_changes(values[:2])] == [None, None]
-
-
-def test_unchanged_patients_are_seldom_called_changed(history):
-    """Truth: sessions of one day scatter by 2, days by 6, nothing changes. At most 1 in 20 may seem to."""
-    history.session(1, [1.0, 1.2])
-    (pattern,) = values_of(history)
-    generator = np.random.default_rng(11)
-
-    def patient(step):
-        means = 60.0 + 6.0 * generator.standard_normal(8) + np.where(np.arange(8) < 3, 0.0, step)
-        return [replace(pattern, mean=float(mean), spread=2.0, count=10) for mean in means]
-
-    def said(step):
-        judged = [session_changes(patient(step)[:count])[-1].is_real for count in (4, 8) for _ in range(400)]
-        return np.mean([one is True for one in judged])
-
-    assert said(0.0) <= 0.06
-    assert said(0.0) > 0.0, "a limit that nothing passes is none"
-    assert said(60.0) > 0.7, "ten times the scatter is seen"
-
-
-def test_two_sessions_are_not_enough_to_tell(history, therapist, world):
-    for age in (3, 2):
-        history.session(age, [float(age), age + 0.01])
-    (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
-    assert measure["minimal_detectable_change"] is None
-    assert {(one["change"], one["is_real_change"]) for one in measure["points"]} == {(None, None)}
-    history.session(1.5, [2.5])
-    history.session(1, [40.0])
-    (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
-    assert [point["is_real_change"] for point in measure["points"]] == [None, None, None, True]
-    values = [one["value"] for one in measure["points"]]
-    assert measure["points"][-1]["change"] == pytest.approx(values[-1] - np.mean(values[:3]))
 
 
 def test_the_main_result_counts_not_every_comparison(history):

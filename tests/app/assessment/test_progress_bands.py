@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sqlalchemy import event
 
+from app.assessment.course import scatter
 from app.assessment.course.bands import beside_other_side
 from app.assessment.course.norms import norm_of
 from app.assessment.schemas import MeasureValue
@@ -128,16 +129,19 @@ def test_norms_are_by_age_and_name_their_source():
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5])
-def test_too_few_baseline_sessions_are_said(history, therapist, world, count):
+def test_of_three_days_or_fewer_only_values_are_shown(history, therapist, world, count):
     for age in range(count, 0, -1):
         history.session(age, [50.0 + age, 51.0 + age])
     (measure,) = progress(therapist, world)["measures"]
-    assert measure["baseline_sessions"] == min(count, 3)
-    assert (measure["minimal_detectable_change"] is None) is (count < 3)
+    trend = measure["trend"]
+    assert trend["days"] == count
+    assert (trend["word"] == "values") is (count <= 3)
+    assert (trend["change"] is None) is (count <= 3)
 
 
-def test_statements_do_not_grow_with_sessions(history, therapist, world, engine):
-    """Nor does the caseload's."""
+def test_statements_do_not_grow_with_sessions(history, therapist, world, engine, monkeypatch):
+    """Nor do the caseload's, nor those by which a clinic's scatter is learnt, here anew each time."""
+    monkeypatch.setattr(scatter, "_SHARE", 0.0)
     statements: list[str] = []
 
     def note(*told: Any) -> None:
@@ -160,7 +164,8 @@ def test_statements_do_not_grow_with_sessions(history, therapist, world, engine)
     try:
         with_twin(history, world)
         history.prescribe(30)
-        history.session(29, [50.0, 51.0])
+        for age in (29, 28, 27, 26):
+            history.session(age, [50.0, 51.0])
         few = [counted(path) for path in paths]
         for hour in range(30):
             history.session_at(utc_now() - timedelta(days=20, hours=-hour), [50.0, 51.0])

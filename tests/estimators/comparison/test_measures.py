@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from estimators.comparison.measures import (
-    detectable_change,
     interjoint_coordination,
     log_dimensionless_jerk,
     multiple_correlation,
     outward_stroke,
-    pooled_detectable_change,
     superimpose,
     symmetry_angle,
     symmetry_ratio,
@@ -147,17 +145,3 @@ def test_symmetry():
         assert np.isnan(measure(1.0, 50.0, 0.6))
         assert np.isnan(measure(-1.0, 50.0))
         assert np.isfinite(measure(1.3, 50.0, 0.6))
-
-
-def test_detectable_change_needs_three_sessions():
-    assert detectable_change([50.0, 54.0, 52.0]) == pytest.approx(9.94, abs=0.005)
-    assert pooled_detectable_change([[50.0, 54.0, 52.0]]) == pytest.approx(5.54, abs=0.005)
-    assert np.isnan(detectable_change([50.0, 54.0]))
-    assert np.isnan(detectable_change([50.0, 54.0, float("nan")]))
-    assert np.isnan(pooled_detectable_change([[50.0, 54.0], [3.0]]))
-    # Other people have other means: only the spread within each counts.
-    assert pooled_detectable_change([[50.0, 54.0, 52.0], [10.0, 14.0, 12.0]]) == pytest.approx(
-        5.54, abs=0.005
-    )
-    unit = [-np.sqrt(2.0), 0.0, np.sqrt(2.0), 0.0, 0.0]
-    assert detectable_change(unit) == pytest.approx(3.04 * np.std(unit, ddof=1), abs=0.01)

@@ -24,7 +24,8 @@ export const keys = {
   course: (id: string, exerciseId: string) => ['patients', id, 'course', exerciseId] as const,
   answers: (id: string) => ['sessions', id, 'answers'] as const,
   version: ['version'] as const,
-  progress: (id: string, exerciseId: string | null) => ['patients', id, 'progress', exerciseId] as const,
+  progress: (id: string, exerciseId: string | null, until: string | null = null) =>
+    ['patients', id, 'progress', exerciseId, until] as const,
   patientSessions: (id: string) => ['patients', id, 'sessions'] as const,
   prescriptions: (id: string) => ['patients', id, 'prescriptions'] as const,
   grants: (id: string) => ['patients', id, 'grants'] as const,
@@ -161,10 +162,11 @@ export const usePatients = () => useAll<Wire.Patient>(keys.patients, '/api/patie
 export const useArchivedPatients = () => usePages<Wire.Patient>(keys.archived, '/api/patients?archived=true');
 export const usePatient = (id: string) =>
   useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
-export const useProgress = (id: string, exerciseId: string | null) =>
+/** With `until`, a session, as it was known with that one. */
+export const useProgress = (id: string, exerciseId: string | null, until: string | null = null) =>
   useGet<Wire.Progress>(
-    keys.progress(id, exerciseId),
-    withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }),
+    keys.progress(id, exerciseId, until),
+    withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId, until }),
   );
 export const useAnswers = (id: string, isAsked = true) =>
   useGet<Wire.Answers>(keys.answers(id), `/api/sessions/${id}/answers`, { enabled: isAsked });

@@ -845,6 +845,8 @@ export interface paths {
         /**
          * Read Progress
          * @description Return progress in one exercise; without `exercise_id` in the one practised last.
+         *
+         *     With `until`, a session, as it was known with that one.
          */
         get: operations["read_progress_api_patients__patient_id__progress_get"];
         put?: never;
@@ -4959,6 +4961,22 @@ export interface components {
             value?: number | null;
         };
         /**
+         * ProgressBreak
+         * @description From when on a measure is measured in another way: a step there is no change of the patient.
+         */
+        ProgressBreak: {
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "estimator" | "template" | "placement";
+        };
+        /**
          * ProgressEvent
          * @description Something pinned to the time axis.
          */
@@ -4987,16 +5005,13 @@ export interface components {
         ProgressMeasure: {
             /** Bands */
             bands: components["schemas"]["ProgressBand"][];
-            /** Baseline Sessions */
-            baseline_sessions: number;
             /** Label */
             label: string;
             /** Measure */
             measure: string;
-            /** Minimal Detectable Change */
-            minimal_detectable_change: number | null;
             /** Points */
             points: components["schemas"]["ProgressPoint"][];
+            trend: components["schemas"]["ProgressTrend"];
             /** Unit */
             unit: string;
         };
@@ -5012,14 +5027,10 @@ export interface components {
              * Format: date-time
              */
             at: string;
-            /** Change */
-            change: number | null;
             /** Count */
             count: number;
             /** High */
             high: number;
-            /** Is Real Change */
-            is_real_change: boolean | null;
             /** Low */
             low: number;
             /** Orientation */
@@ -5030,6 +5041,59 @@ export interface components {
             template_version_id: string | null;
             /** Value */
             value: number;
+        };
+        /**
+         * ProgressTrend
+         * @description What may be said of how a measure changed since the baseline: the first day of the last eight weeks.
+         */
+        ProgressTrend: {
+            /** Breaks */
+            breaks: components["schemas"]["ProgressBreak"][];
+            /** Change */
+            change: number | null;
+            /** Days */
+            days: number;
+            /** Expected */
+            expected: number | null;
+            /** Half Width */
+            half_width: number | null;
+            /** Important */
+            important: number | null;
+            /** Important Source */
+            important_source: string;
+            /** Is Last Day Unusual */
+            is_last_day_unusual: boolean;
+            /** Minimal Detectable Change */
+            minimal_detectable_change: number | null;
+            /** Now */
+            now: number | null;
+            /** Per Week */
+            per_week: number | null;
+            /** Probability */
+            probability: number | null;
+            /** Scatter */
+            scatter: number | null;
+            /** Scatter People */
+            scatter_people: number;
+            /** Scatter Source */
+            scatter_source: string;
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /** Start */
+            start: number | null;
+            /**
+             * Until
+             * Format: date-time
+             */
+            until: string;
+            /**
+             * Word
+             * @enum {string}
+             */
+            word: "values" | "more" | "less" | "a_little_more" | "a_little_less" | "probably_more" | "probably_less" | "unchanged" | "unknown";
         };
         /**
          * PulseMessage
@@ -8192,6 +8256,7 @@ export interface operations {
         parameters: {
             query?: {
                 exercise_id?: string | null;
+                until?: string | null;
             };
             header?: never;
             path: {

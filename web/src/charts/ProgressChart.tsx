@@ -1,42 +1,16 @@
-// One measure over the sessions: value, its spread, what happened meanwhile, and whether the change is real.
-import { useMemo } from 'react';
+// One measure over the days: value, its spread, what is said of its change, and the days on which something happened.
+import { useMemo, useState } from 'react';
+import { Link } from 'react-router';
 import type uPlot from 'uplot';
 import type { Estimator, ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { date, dateTime, difference, displayUnit, number, pair, quantity, span, tick } from '../lib/format';
-import { BASELINE } from '../lib/assessment/baseline';
+import { clockTime, date, dateTime, displayUnit, number, pair, quantity, tick } from '../lib/format';
+import { byDate, daysOf, type Day } from '../lib/assessment/days';
+import { trendText } from '../lib/assessment/trend';
 import { estimatorTitle } from '../lib/sessions';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
-
-/** The verdict on a change: only called a change when it is larger than two sessions differ by chance. */
-export function changeText({
-  change,
-  is_real_change: isReal,
-  unit,
-  limit,
-  baseline,
-}: {
-  change?: number | null;
-  is_real_change?: boolean | null;
-  unit: string;
-  limit: number | null | undefined;
-  /** Baseline sessions that there are; fewer than three are too few. */
-  baseline?: number;
-}): string {
-  if (baseline !== undefined && baseline < BASELINE)
-    return t('progress.fewBaseline', { count: baseline, of: BASELINE });
-  if (change === null || change === undefined || isReal === null || isReal === undefined) return t('progress.tooFew');
-  const words = { change: difference(change, unit), limit: span(limit, unit) };
-  return isReal ? t('progress.changeReal', words) : t('progress.changeNotReal', words);
-}
-
-/** The same of the newest session of a measure, whose value stands beside it, as its report has it. */
-export function verdictOf({ points, unit, minimal_detectable_change, baseline_sessions }: ProgressMeasure): string {
-  const { change, is_real_change } = points.at(-1) ?? {};
-  return changeText({ change, is_real_change, unit, limit: minimal_detectable_change, baseline: baseline_sessions });
-}
 
 /** The other side, and published values: across the whole picture, behind everything else. */
 function across(plot: uPlot, bands: ProgressMeasure['bands'], factor: number): void {
@@ -60,7 +34,11 @@ function across(plot: uPlot, bands: ProgressMeasure['bands'], factor: number): v
   ctx.restore();
 }
 
-function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
+/** So far from one another numbers above the picture can be read. */
+const PIN_PX = 16;
+
+/** A line for each day on which something happened, with its number in the strip above the charts. */
+function pins(plot: uPlot, days: readonly ProgressEvent[][]): void {
   const { ctx, bbox } = plot;
   const ratio = window.devicePixelRatio || 1;
   ctx.save();
@@ -70,16 +48,41 @@ function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
   ctx.textAlign = 'center';
   ctx.setLineDash([3 * ratio, 4 * ratio]);
   ctx.lineWidth = 1.5 * ratio;
-  events.forEach((event, index) => {
-    const x = plot.valToPos(seconds(event.at), 'x', true);
-    if (x < bbox.left || x > bbox.left + bbox.width) return;
+  let named = -Infinity;
+  days.forEach((day, index) => {
+    const x = plot.valToPos(seconds(day[0]?.at ?? ''), 'x', true);
+    if (!(x >= bbox.left && x <= bbox.left + bbox.width)) return;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top + 4 * ratio);
     ctx.lineTo(x, bbox.top + bbox.height);
     ctx.stroke();
+    if (x - named < PIN_PX * ratio) return;
+    named = x;
     ctx.fillText(String(index + 1), x, bbox.top - 4 * ratio);
   });
   ctx.restore();
+}
+
+/** What happened beside the sessions, day by day, once for all charts of a page. */
+export function EventStrip({ events }: { events: readonly ProgressEvent[] }) {
+  if (events.length === 0) return null;
+  return (
+    <section className="event-strip" aria-label={t('progress.events')}>
+      <h3>{t('progress.events')}</h3>
+      <ol className="small">
+        {byDate(events).map((day) => (
+          <li key={day[0]?.at}>
+            <span className="strong nowrap">{date(day[0]?.at ?? '')}</span>
+            <ul className="plain-list">
+              {[...new Set(day.map((event) => event.text))].map((text) => (
+                <li key={text}>{text}</li>
+              ))}
+            </ul>
+          </li>
+        ))}
+      </ol>
+    </section>
+  );
 }
 
 /** What each band is, with its source; of the other side how alike the two are. */
@@ -140,12 +143,11 @@ export function ProgressChart({
 }) {
   const unit = displayUnit(measure.unit);
   const { points, bands } = measure;
-  const firstS = points[0] ? seconds(points[0].at) : 0;
-  const lastS = points.at(-1) ? seconds(points.at(-1)?.at ?? '') : 1;
-  const within = useMemo(
-    () => events.filter((event) => seconds(event.at) >= firstS - 43_200 && seconds(event.at) <= lastS + 43_200),
-    [events, firstS, lastS],
-  );
+  const days = useMemo(() => daysOf(points), [points]);
+  const [chosen, setChosen] = useState<Day | null>(null);
+  const firstS = days[0]?.atS ?? 0;
+  const lastS = days.at(-1)?.atS ?? 1;
+  const happened = useMemo(() => byDate(events), [events]);
   // What made all of them is said once, what differs in each line.
   const isAlike = points.every((one) => one.orientation === points[0]?.orientation);
   const options = useMemo<PlotOptions>(
@@ -209,18 +211,18 @@ export function ProgressChart({
         },
       ],
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
-      hooks: { drawClear: [(plot) => across(plot, bands, unit.factor), (plot) => pins(plot, within)] },
+      hooks: { drawClear: [(plot) => across(plot, bands, unit.factor), (plot) => pins(plot, happened)] },
     }),
-    [unit, within, bands, firstS, lastS],
+    [unit, happened, bands, firstS, lastS],
   );
   const data = useMemo<uPlot.AlignedData>(
     () => [
-      points.map((point) => seconds(point.at)),
-      points.map((point) => point.low * unit.factor),
-      points.map((point) => point.high * unit.factor),
-      points.map((point) => point.value * unit.factor),
+      days.map((day) => day.atS),
+      days.map((day) => day.low * unit.factor),
+      days.map((day) => day.high * unit.factor),
+      days.map((day) => day.value * unit.factor),
     ],
-    [points, unit.factor],
+    [days, unit.factor],
   );
   return (
     <figure className="figure">
@@ -228,17 +230,26 @@ export function ProgressChart({
         options={options}
         data={data}
         height={height}
-        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${verdictOf(measure)}`}
+        onReady={(plot) =>
+          plot?.over.addEventListener('click', (event) => setChosen(days[plot.posToIdx(event.offsetX)] ?? null))
+        }
+        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${trendText(measure)}`}
       />
       <BandLegend bands={bands} unit={measure.unit} />
-      {within.length > 0 && (
-        <ol className="pins small muted">
-          {within.map((event) => (
-            <li key={`${event.at}${event.text}`}>
-              {event.text} <span className="nowrap">({date(event.at)})</span>
-            </li>
-          ))}
-        </ol>
+      {chosen && (
+        <section className="day-sessions small" aria-live="polite">
+          <p className="strong">{t('progress.ofDay', { date: date(new Date(chosen.atS * 1000)) })}</p>
+          <ul className="plain-list">
+            {chosen.sessions.map((point) => (
+              <li key={point.session_id}>
+                <Link to={`/sessions/${point.session_id}`}>{clockTime(point.at)}</Link>:{' '}
+                {quantity(point.value, measure.unit)}
+                {' · '}
+                {t('progress.repetitionsOf', { count: point.count })}
+              </li>
+            ))}
+          </ul>
+        </section>
       )}
       <details className="as-table">
         <summary>{t('chart.asTable')}</summary>
@@ -256,7 +267,7 @@ export function ProgressChart({
             {points.map((point) => (
               <tr key={point.session_id}>
                 <th scope="row" className="number">
-                  {dateTime(point.at)}
+                  <Link to={`/sessions/${point.session_id}`}>{dateTime(point.at)}</Link>
                 </th>
                 <td className="number" data-label={measure.label}>
                   {quantity(point.value, measure.unit)}

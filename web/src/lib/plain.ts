@@ -1,6 +1,7 @@
-// Results in plain words for the patient: a change is reported only when it is larger than what repeats by chance.
+// Results in plain words for the patient: a change is said only where it is sure, and nothing where little is known.
 import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
+import { shownChange } from './assessment/trend';
 import { displayUnit, number, quantity } from './format';
 
 /** How far a joint moved; of a foot that walks other numbers say more. */
@@ -12,30 +13,59 @@ export function mainMeasure(measures: readonly ProgressMeasure[]): ProgressMeasu
   return withPoints.find((one) => isRange(one.measure)) ?? withPoints[0] ?? null;
 }
 
+const isElbow = (measure: string) => measure.startsWith('range:humerus_forearm');
+
 /** The joint whose range a measure is, in a word everybody knows. */
 export function jointOf(measure: string): string {
   return tOr(`mine.joint.${/^range:([a-z]+_[a-z]+)_(?:left|right)_/.exec(measure)?.[1] ?? ''}`, t('mine.joint.other'));
 }
 
-/** One sentence on how it goes: the newest session against the first three, as in the reports. */
-export function plainProgress(measure: ProgressMeasure | null): string {
+/** Since when, in words: the beginning, or the eight weeks that a trend looks back. */
+function sinceWhen(measure: ProgressMeasure): string {
+  // The baseline is the mean moment of its day.
+  const day = (at: string) => new Date(at).toDateString();
+  const first = measure.points[0]?.at ?? measure.trend.since;
+  return t(day(first) === day(measure.trend.since) ? 'mine.beginning' : 'mine.eightWeeks');
+}
+
+/** One sentence on how it goes, where one may be said; null where nothing is known. */
+export function plainProgress(measure: ProgressMeasure | null): string | null {
   if (!measure || measure.points.length === 0) return t('mine.noResultYet');
-  const { change, is_real_change: isReal } = measure.points.at(-1) ?? {};
-  if (measure.points.length < 2) return t('mine.firstResult');
-  if (change === null || change === undefined) return t('mine.tooFew');
-  if (!isReal) return t('mine.steady');
+  const { trend } = measure;
+  const when = sinceWhen(measure);
+  switch (trend.word) {
+    case 'values':
+    case 'unknown':
+    case 'probably_less':
+      return null;
+    case 'probably_more':
+      return t('mine.looksLikeMore');
+    case 'unchanged':
+      return t('mine.asBefore', { when });
+    case 'a_little_more':
+      return t('mine.aLittleMore', { when });
+    case 'a_little_less':
+      return t('mine.aLittleLess', { when });
+    default:
+      return changed(measure, when);
+  }
+}
+
+/** A change that is sure, in the words of what is measured. */
+function changed(measure: ProgressMeasure, when: string): string {
+  const { trend } = measure;
+  const change = shownChange(trend, measure.unit)?.change ?? 0;
   const unit = displayUnit(measure.unit);
-  const size = Math.abs(change * unit.factor);
-  const way = change > 0 ? 'more' : 'less';
-  if (measure.measure === 'walk:test_time')
-    return t(`mine.walk.test_time.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
-  if (measure.measure === 'walk:test_distance')
-    return t(`mine.walk.test_distance.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
-  if (measure.measure.startsWith('walk:speed')) return t(`mine.walk.speed.${way}`);
-  if (unit.suffix !== '°') return t('mine.changed');
-  const degrees = number(size);
+  const way = trend.word === 'more' ? 'more' : 'less';
+  const amount = quantity(Math.abs(change), measure.unit);
+  if (measure.measure === 'walk:test_time') return t(`mine.walk.test_time.${way}`, { amount, when });
+  if (measure.measure === 'walk:test_distance') return t(`mine.walk.test_distance.${way}`, { amount, when });
+  if (measure.measure.startsWith('walk:speed')) return t(`mine.walk.speed.${way}`, { when });
+  if (unit.suffix !== '°') return t('mine.changed', { when });
+  const degrees = number(Math.abs(change * unit.factor));
+  if (isElbow(measure.measure)) return t(`mine.elbow.${way}`, { degrees, when });
   const joint = jointOf(measure.measure);
-  return change > 0 ? t('mine.further', { joint, degrees }) : t('mine.lessFar', { joint, degrees });
+  return way === 'more' ? t('mine.further', { joint, degrees, when }) : t('mine.lessFar', { joint, degrees, when });
 }
 
 /** What one session showed, in sentences that hold whatever was exercised: how often, how far, and how far the example went. */

@@ -15,6 +15,7 @@ import { holdsWords, matches } from '../../src/lib/assessment/caseload';
 import { nearOf } from '../../src/kinds';
 import { limbOf, placementProblem, suggestedPlacements } from '../../src/lib/placements';
 import { jointOf, mainMeasure, plainFeedback, plainProgress } from '../../src/lib/plain';
+import { changed, trend } from '../trend';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
 import { WearPicture } from '../../src/pictures/WearPicture';
@@ -150,50 +151,54 @@ describe('plain words', () => {
     expect(jointOf('range:shank_foot_left_zxy_flexion')).toBe('ankle');
     expect(jointOf('range:humerus_forearm_left_zxy_flexion')).toBe('elbow');
   });
-  const measure = (change: number | null, is_real_change: boolean | null, points = 3): ProgressMeasure => ({
-    measure: 'range:elbow',
+  const DAY = '2026-01-01T00:00:00Z';
+  const measure = (words: ProgressMeasure['trend'], name = 'range:elbow', unit = 'rad'): ProgressMeasure => ({
+    measure: name,
     label: 'Elbow',
-    unit: 'rad',
-    points: Array.from({ length: points }, () => ({
+    unit,
+    points: Array.from({ length: 4 }, () => ({
       session_id: 's',
-      at: '2025-01-01T00:00:00Z',
+      at: DAY,
       value: 1,
       low: 1,
       high: 1,
       count: 5,
       orientation: 'vqf',
       template_version_id: null,
-      change,
-      is_real_change,
     })),
-    minimal_detectable_change: 0.1,
-    baseline_sessions: 3,
+    trend: { ...words, since: DAY },
     bands: [],
   });
-  it('tells a change only when it is larger than chance', () => {
-    expect(plainProgress(measure(0.14, true))).toMatch(/8° more/);
-    expect(plainProgress(measure(0.05, false))).toMatch(/No clear change/);
-    expect(plainProgress(measure(null, null, 1))).toMatch(/first exercise/);
-    expect(plainProgress(measure(null, null, 3))).toMatch(/A few more times/);
+  it('tells a change where it is sure, and nothing where little is known', () => {
+    const moved = (word: ProgressMeasure['trend']['word'], now = 0.84) =>
+      plainProgress(measure(changed(0.7, now, 0.1, { word })));
+    expect(moved('more')).toBe('Your joint moves 8° more than at the beginning.');
+    expect(moved('less', 0.56)).toMatch(/^Your joint moves 8° less than .* Your therapist sees this too/);
+    expect(moved('a_little_more')).toBe('A little more than at the beginning.');
+    expect(moved('probably_more')).toMatch(/^It looks like more/);
+    expect(moved('unchanged')).toBe('As at the beginning.');
+    expect(moved('unknown')).toBeNull();
+    expect(moved('probably_less')).toBeNull();
+    expect(plainProgress(measure(trend()))).toBeNull();
     expect(plainProgress(null)).toMatch(/After your first/);
+  });
+  it('names the beginning, or the eight weeks that a trend looks back', () => {
+    const elbow = measure(changed(39, 59, 5), 'range:humerus_forearm_left_zxy_flexion', 'deg');
+    expect(plainProgress(elbow)).toBe('Your elbow opens 20° more than at the beginning.');
+    const later = { ...elbow, trend: { ...elbow.trend, since: '2026-03-01T00:00:00Z' } };
+    expect(plainProgress(later)).toBe('Your elbow opens 20° more than eight weeks ago.');
   });
 
   it('says of a walk what became more or less', () => {
     const walked = (name: string, unit: string, change: number) =>
-      plainProgress({
-        measure: `walk:${name}`,
-        label: '',
-        unit,
-        points: Array(4).fill({ change, is_real_change: true }),
-        minimal_detectable_change: 1,
-      } as unknown as ProgressMeasure);
+      plainProgress(measure(changed(100, 100 + change, 0.1), `walk:${name}`, unit));
     expect(walked('test_time', 's', 2.24)).toBe(
-      'Your walk now takes 2.2 s more than in your first sessions. Your therapist sees this too.',
+      'Your walk takes 2.2 s more than at the beginning. Your therapist sees this too.',
     );
-    expect(walked('test_time', 's', -2.24)).toBe('Your walk now takes 2.2 s less than in your first sessions.');
-    expect(walked('test_distance', 'metres', 31.4)).toBe('You now walk 31 m further than in your first sessions.');
-    expect(walked('speed:left', 'm/s', -0.2)).toMatch(/^You now walk more slowly/);
-    expect(walked('step_width', 'm', 0.02)).toMatch(/^Your results have changed/);
+    expect(walked('test_time', 's', -2.24)).toBe('Your walk takes 2.2 s less than at the beginning.');
+    expect(walked('test_distance', 'metres', 31.4)).toBe('You walk 31 m further than at the beginning.');
+    expect(walked('speed:left', 'm/s', -0.2)).toMatch(/^You walk more slowly/);
+    expect(walked('step_width', 'm', 0.02)).toMatch(/^Your results are not as at the beginning/);
   });
 });
 

@@ -1,4 +1,5 @@
 // A patient's record as the service answers it, for walking through the patient's own pages.
+import { changed } from '../trend';
 import { PROTOCOL_VERSION } from '../../src/api/schema';
 import type {
   AuditEntry,
@@ -145,8 +146,6 @@ const point = (session_id: string, value: number) => ({
   count: 10,
   orientation: 'madgwick',
   template_version_id: 'tv',
-  change: null,
-  is_real_change: null,
 });
 const progress = {
   exercise_id: 'e',
@@ -155,8 +154,8 @@ const progress = {
       measure: `range:${ANGLE}`,
       label: 'Elbow flexion, range of motion',
       unit: 'deg',
-      points: [point('x', 50), point('y', 51), point('z', 52), { ...point('s', 59), change: 8, is_real_change: true }],
-      minimal_detectable_change: 4,
+      points: [point('x', 50), point('y', 51), point('z', 52), point('s', 59)],
+      trend: changed(50, 58, 3),
     },
   ],
   events: [],

@@ -236,7 +236,8 @@ def test_progress_of_walks_has_the_form_of_every_progress(
     measures = {one["measure"]: one for one in found["measures"]}
     assert next(iter(measures)) == "walk:speed:left"
     speed = measures["walk:speed:left"]
-    assert speed["label"] == "Walking speed, steady strides, left"
+    assert "walk:speed:right" not in measures, "both feet walk at one speed"
+    assert speed["label"] == "Walking speed, steady strides"
     assert [point["session_id"] for point in speed["points"]] == [walk.session_id for walk in walks]
     stored = therapist.get(f"/api/sessions/{walks[0].session_id}/gait").json()
     left = next(foot for foot in stored["feet"] if foot["side"] == "left")
@@ -274,7 +275,7 @@ def test_progress_of_walks_reads_none_of_them(
     event.listen(engine, "before_cursor_execute", note)
     try:
         with read_only(engine) as session:
-            values = walk_values(session, world.patient_id)
+            values = walk_values(session, [world.patient_id])
     finally:
         event.remove(engine, "before_cursor_execute", note)
     assert len(values) > 10

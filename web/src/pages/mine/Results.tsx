@@ -9,8 +9,9 @@ import { t } from '../../i18n';
 import { Sparkline } from '../../charts/Sparkline';
 import { dayName, DAYS } from '../../lib/assessment/practice';
 import { clockTime, quantity, weekday } from '../../lib/format';
-import { valuesByDay, practisedWeeks } from '../../lib/ownDays';
-import { mainMeasure, plainProgress, plainValue, repetitionsOf, shortName } from '../../lib/plain';
+import { valuesByDay, practisedWeeks } from '../../lib/assessment/ownDays';
+import { mainMeasure, plainValue, repetitionsOf, shortName } from '../../lib/plain';
+import { HowItGoes } from './HowItGoes';
 import { NoRecord } from './Today';
 
 /** How her own value went, a point a day; one day is no curve. */
@@ -84,7 +85,7 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
           const main = mainMeasure(data.measures);
           return (
             <>
-              <p className="mine-say">{plainProgress(main)}</p>
+              <HowItGoes measures={data.measures} />
               {main && <Curve main={main} />}
             </>
           );

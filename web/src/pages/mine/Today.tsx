@@ -18,7 +18,7 @@ import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { kindFor } from '../../kinds';
-import { mainMeasure, plainProgress } from '../../lib/plain';
+import { HowItGoes } from './HowItGoes';
 import { isBegun, isDoneForWeek, isOpenToday, scheduleText, todayText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
@@ -171,7 +171,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
         <section className="card">
           <h2>{t('mine.how')}</h2>
           <Answer of={progress} lines={2}>
-            {(data) => <p className="mine-say">{plainProgress(mainMeasure(data.measures))}</p>}
+            {(data) => <HowItGoes measures={data.measures} />}
           </Answer>
           <Link to="/my/results" className="mine-link">
             {t('mine.seeResults')}

@@ -4,9 +4,10 @@ import { useState } from 'react';
 import { Link } from 'react-router';
 import { useEstimators, usePrescriptions, useProgress } from '../../api/queries';
 import type { Progress, ProgressMeasure } from '../../api/types';
-import { BandLegend, ProgressChart, verdictOf } from '../../charts/ProgressChart';
+import { BandLegend, EventStrip, ProgressChart } from '../../charts/ProgressChart';
 import { Answer, Empty } from '../../components/Feedback';
 import { t } from '../../i18n';
+import { isSure, judgedBy, trendNotes, trendText } from '../../lib/assessment/trend';
 import { quantity } from '../../lib/format';
 
 const SHOWN_FIRST = 3;
@@ -24,7 +25,11 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={measure.points.at(-1)?.is_real_change ? 'strong' : 'muted'}>{verdictOf(measure)}</p>
+        <p className={isSure(measure.trend) ? 'strong' : 'muted'}>{trendText(measure)}</p>
+        {trendNotes(measure).map((note) => (
+          <p key={note}>{note}</p>
+        ))}
+        <p className="muted small">{judgedBy(measure)}</p>
       </div>
       {measure.points.length > 1 ? (
         <ProgressChart measure={measure} events={events} estimators={estimators} />
@@ -59,6 +64,7 @@ function Measures({ progress, patientId, mayTreat }: { progress: Progress; patie
   const shown = showsAll ? measures : measures.slice(0, SHOWN_FIRST);
   return (
     <>
+      <EventStrip events={progress.events} />
       {shown.map((measure) => (
         <Measure key={measure.measure} measure={measure} events={progress.events} />
       ))}

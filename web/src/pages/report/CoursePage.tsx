@@ -3,17 +3,17 @@ import { Button } from '@mantine/core';
 import { IconPrinter } from '@tabler/icons-react';
 import { useParams, useSearchParams } from 'react-router';
 import { useComparison, useCourse, usePatient, useProgress } from '../../api/queries';
-import type { ComparisonDetail, Course, Patient, Progress } from '../../api/types';
+import type { ComparisonDetail, Course, Patient, Progress, ProgressMeasure } from '../../api/types';
 import { PaperPhases, PaperProgress } from '../../charts/PaperChart';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
-import { BASELINE } from '../../lib/assessment/baseline';
-import { courseRows, type CourseRow } from '../../lib/assessment/course';
+import { courseRows } from '../../lib/assessment/course';
+import { isSure, shownChange, trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
 import { activeText } from '../../lib/assessment/practice';
-import { date, difference, number, quantity, span, withUnit } from '../../lib/format';
+import { date, number, quantity, withUnit } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { CourseWords } from './CourseWords';
 import { PhaseLegend } from './PhaseLegend';
@@ -27,19 +27,12 @@ interface CourseProps {
   progress: Progress;
 }
 
-function verdict({ measure, change: moved, isReal }: CourseRow): string {
-  if (measure.baseline_sessions < BASELINE) return t('course.few', { count: measure.baseline_sessions, of: BASELINE });
-  if (moved === null) return t('report.unjudged');
-  const change = difference(moved, measure.unit);
-  if (isReal === null) return change;
-  return `${change}, ${t(isReal ? 'course.real' : 'course.chance')}`;
-}
-
-function Rows({ rows }: { rows: CourseRow[] }) {
-  const cells = ['course.baseline', 'course.newestValue', 'course.change', 'course.limit', 'course.n'] as const;
+/** Levels and change; what is no level yet is the newest value alone. */
+function Rows({ rows, caption }: { rows: ProgressMeasure[]; caption: string }) {
+  const cells = ['course.baseline', 'course.now', 'course.change', 'course.n'] as const;
   return (
     <table className="paper-table">
-      <caption>{t('course.table')}</caption>
+      <caption>{caption}</caption>
       <thead>
         <tr>
           <th scope="col">{t('compare.measure')}</th>
@@ -51,27 +44,28 @@ function Rows({ rows }: { rows: CourseRow[] }) {
         </tr>
       </thead>
       <tbody>
-        {rows.map((row) => (
-          <tr key={row.measure.measure}>
-            <th scope="row">{row.measure.label}</th>
-            <td className="number" data-label={t('course.baseline')}>
-              {quantity(row.baseline, row.measure.unit)}
-            </td>
-            <td data-label={t('course.newestValue')}>
-              <span>
-                <span className="number">{quantity(row.newest, row.measure.unit)}</span>{' '}
-                <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
-              </span>
-            </td>
-            <td className={row.isReal ? 'strong' : ''} data-label={t('course.change')}>
-              {verdict(row)}
-            </td>
-            <td data-label={t('course.limit')}>{span(row.measure.minimal_detectable_change, row.measure.unit)}</td>
-            <td className="number" data-label={t('course.n')}>
-              {number(row.sessions)}
-            </td>
-          </tr>
-        ))}
+        {rows.map((measure) => {
+          const levels = shownChange(measure.trend, measure.unit);
+          return (
+            <tr key={measure.measure}>
+              <th scope="row">{measure.label}</th>
+              <td className="number" data-label={t('course.baseline')}>
+                {levels ? quantity(levels.start, measure.unit) : '–'}
+              </td>
+              <td className="number" data-label={t('course.now')}>
+                {levels
+                  ? quantity(levels.now, measure.unit)
+                  : t('course.valueOnly', { value: quantity(measure.points.at(-1)?.value, measure.unit) })}
+              </td>
+              <td className={isSure(measure.trend) ? 'strong' : ''} data-label={t('course.change')}>
+                {trendShort(measure)}
+              </td>
+              <td className="number" data-label={t('course.n')}>
+                {number(measure.trend.days)}
+              </td>
+            </tr>
+          );
+        })}
       </tbody>
     </table>
   );
@@ -79,7 +73,7 @@ function Rows({ rows }: { rows: CourseRow[] }) {
 
 function Summary({ patient, course, progress }: CourseProps) {
   const rows = courseRows(progress.measures);
-  const main = rows[0]?.measure;
+  const main = rows[0];
   const facts: [string, string][] = [
     [t('exercise.one'), course.exercise_name],
     ...(course.first_at && course.last_at
@@ -118,8 +112,15 @@ function Summary({ patient, course, progress }: CourseProps) {
       <CourseWords patient={patient} course={course} />
       {main && main.points.length > 1 && (
         <figure className="paper-figure">
-          <figcaption>{withUnit(main.label, main.unit)}</figcaption>
+          <figcaption>
+            {withUnit(main.label, main.unit)}: {trendText(main)}
+          </figcaption>
           <PaperProgress measure={main} sessionId={main.points.at(-1)?.session_id ?? ''} />
+          {trendNotes(main).map((note) => (
+            <p key={note} className="paper-note">
+              {note}
+            </p>
+          ))}
           {main.bands.map((band) => (
             <p key={band.kind} className="paper-note">
               {t('course.beside')}: {band.text}: {quantity(band.low, main.unit)} – {quantity(band.high, main.unit)}
@@ -127,11 +128,11 @@ function Summary({ patient, course, progress }: CourseProps) {
           ))}
         </figure>
       )}
-      {rows.length > 0 ? <Rows rows={rows} /> : <p>{t('progress.emptyText')}</p>}
+      {rows.length > 0 ? <Rows rows={rows} caption={t('course.table')} /> : <p>{t('progress.emptyText')}</p>}
       <p className="paper-note">{t('course.tableHelp')}</p>
       {progress.events.length > 0 && (
         <>
-          <h3>{t('course.meanwhile')}</h3>
+          <h3>{t('progress.events')}</h3>
           <ul className="paper-findings paper-small">
             {progress.events.map((event) => (
               <li key={`${event.at}${event.text}`}>
@@ -198,6 +199,19 @@ function Curves({ patient, course }: Omit<CourseProps, 'progress'>) {
   );
 }
 
+/** What only who studies movement reads. */
+function Indices({ patient, course, progress }: CourseProps) {
+  const rows = courseRows(progress.measures, { indices: true, most: Infinity });
+  if (rows.length === 0) return null;
+  const hasCurves = course.first_comparison_id !== null;
+  return (
+    <Sheet title={t('course.indices')} number={hasCurves ? 3 : 2} patient={patient} version={course.service_version}>
+      <Rows rows={rows} caption={t('course.indicesTable')} />
+      <p className="paper-note">{t('course.indicesHelp')}</p>
+    </Sheet>
+  );
+}
+
 export function CoursePage() {
   const { patientId = '' } = useParams();
   const [search] = useSearchParams();
@@ -230,6 +244,7 @@ export function CoursePage() {
                     <div className="papers">
                       <Summary patient={who} course={found} progress={over} />
                       <Curves patient={who} course={found} />
+                      <Indices patient={who} course={found} progress={over} />
                     </div>
                   )}
                 </Answer>

@@ -35,7 +35,7 @@ function Sheets({ session, patient }: { session: SessionDetail; patient: Patient
   const of =
     (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;
   const comparison = useComparison(of?.id ?? null);
-  const progress = useProgress(patient.id, session.exercise_id ?? null);
+  const progress = useProgress(patient.id, session.exercise_id ?? null, session.id);
   const template = useTemplateVersion(of?.template_version_id ?? null);
   const estimators = useEstimators();
   const exercises = useExercises();

@@ -1,34 +1,25 @@
 import type { MeasureValue, ProgressMeasure } from '../../api/types';
 import { PaperProgress } from '../../charts/PaperChart';
-import { changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
-import { dateTime, difference, duration, quantity, uncertain, withUnit } from '../../lib/format';
+import { dateTime, duration, quantity, uncertain, withUnit } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
-import { BASELINE } from '../../lib/assessment/baseline';
 import { repetitionsText, reportRows } from '../../lib/assessment/report';
+import { trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
   measure?.points.find((one) => one.session_id === sessionId) ?? null;
 
-/** What this session changed against the first ones: for sure, within chance, or not to be judged. */
+/** What may be said of the change with this session; the progress beside a report ends with it. */
 export function verdict(measure: ProgressMeasure | null, sessionId: string): string {
-  const point = pointOf(measure, sessionId);
-  if (!measure || !point) return '–';
-  if (measure.points.indexOf(point) < BASELINE) return t('report.isFirst');
-  if (typeof point.change !== 'number' || typeof point.is_real_change !== 'boolean') return t('report.unjudged');
-  const change = difference(point.change, measure.unit);
-  return point.is_real_change ? t('report.real', { change }) : t('report.chance', { change });
+  return measure && pointOf(measure, sessionId) ? trendShort(measure) : '–';
 }
 
-/** The same as a sentence. */
-export function verdictText(measure: ProgressMeasure, sessionId: string): string {
-  const point = pointOf(measure, sessionId);
-  return point && measure.points.indexOf(point) < BASELINE && measure.points.length > BASELINE
-    ? t('report.isFirstText')
-    : changeText({ ...point, unit: measure.unit, limit: measure.minimal_detectable_change });
+/** The same as sentences. */
+export function verdictText(measure: ProgressMeasure): string {
+  return [trendText(measure), ...trendNotes(measure)].join(' ');
 }
 
 function Headline({
@@ -51,7 +42,7 @@ function Headline({
         {typeof value?.template_value === 'number' && (
           <p>{t('report.template', { value: quantity(value.template_value, value.unit) })}</p>
         )}
-        {measure && <p>{verdictText(measure, sessionId)}</p>}
+        {measure && here && <p>{verdictText(measure)}</p>}
       </div>
     </div>
   );

@@ -7,7 +7,7 @@ it('names places within a sentence without capitals', () => {
 
 describe('channelLabel', () => {
   it('names an angle in plain words with its sequence beside it', () => {
-    expect(channelLabel('humerus_forearm_right_zxy_flexion')).toEqual({
+    expect(channelLabel('humerus_forearm_right_zxy_flexion')).toMatchObject({
       text: 'Elbow flexion, right',
       convention: 'forearm to upper arm, Z\u2011X\u2011Y',
       unit: 'rad',

@@ -259,7 +259,7 @@ describe('a patient', () => {
       '/my/sessions/n',
     ]);
     await screen.findByText(/10 times, 4 minutes/);
-    expect(screen.getByText('Your elbow now moves 8° more than in your first sessions.')).toBeTruthy();
+    expect(screen.getByText(/8° more than/)).toBeTruthy();
   });
 
   it('reads one true sentence beside the replay', async () => {

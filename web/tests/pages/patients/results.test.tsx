@@ -1,10 +1,11 @@
 // My results: when, how far, how it went, and on which days; also in German.
+import { trend } from '../../trend';
 import { cleanup, screen } from '@testing-library/react';
 import axe from 'axe-core';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { Me } from '../../../src/api/types';
 import { speakLanguage } from '../../../src/i18n/languages';
-import { practisedWeeks, valuesByDay } from '../../../src/lib/ownDays';
+import { practisedWeeks, valuesByDay } from '../../../src/lib/assessment/ownDays';
 import { ResultsPage } from '../../../src/pages/mine/Results';
 import { renderPage, THERAPIST } from '../render';
 
@@ -24,7 +25,13 @@ const point = (id: string, when: string, degrees: number, count: number) => ({
   is_real_change: null,
 });
 const POINTS = [point('a', at(2, 9), 40, 10), point('b', at(4, 9), 50, 10), point('c', at(4, 17), 59, 20)];
-const MEASURE = { measure: 'range:humerus_forearm_right_flexion', label: 'Elbow flexion', unit: 'rad', points: POINTS };
+const MEASURE = {
+  measure: 'range:humerus_forearm_right_flexion',
+  label: 'Elbow flexion',
+  unit: 'rad',
+  points: POINTS,
+  trend: trend(),
+};
 
 function open() {
   cleanup();

@@ -60,7 +60,7 @@ it('names the network that refuses the socket, whom to ask, and what HTTP knows'
     <LiveBanners
       snapshot={snapshot({ connection: 'lost', lostSinceS: AT_S, isBlocked: true })}
       isLinkLost={false}
-      told={{ state: 'recording', packets_stored: 1234 }}
+      known={{ state: 'recording', packets_stored: 1234 }}
     />,
     { answers: {} },
   );

@@ -1,10 +1,11 @@
 import { act, render } from '@testing-library/react';
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import type { ComparisonDetail, MeasureValue } from '../../../src/api/types';
+import type { ComparisonDetail, MeasureValue, ProgressMeasure } from '../../../src/api/types';
 import { joined, PaperPhases, pathOf } from '../../../src/charts/PaperChart';
 import { niceTicks } from '../../../src/charts/scales';
 import { repetitionsText, reportRows } from '../../../src/lib/assessment/report';
 import { verdict, verdictText } from '../../../src/pages/report/SummarySheet';
+import { changed, trend } from '../../trend';
 
 const measure = (name: string, group: string, value: number | null = 1): MeasureValue => ({
   measure: name,
@@ -38,8 +39,7 @@ describe('rows of the report', () => {
       label: '',
       unit: 's',
       points: [],
-      minimal_detectable_change: 0.5,
-      baseline_sessions: 3,
+      trend: trend(),
       bands: [],
     };
     expect(reportRows([measure('duration', 'timing')], [over])[0]?.progress).toBe(over);
@@ -77,39 +77,29 @@ describe('charts for paper', () => {
 });
 
 describe('what changed', () => {
-  const point = (session_id: string, change: number | null, is_real_change: boolean | null) => ({
-    session_id,
-    at: '2026-11-01T10:00:00Z',
-    value: 50,
-    low: 49,
-    high: 51,
-    count: 5,
-    orientation: '',
-    template_version_id: null,
-    change,
-    is_real_change,
-  });
-  const over = (points: ReturnType<typeof point>[]) => ({
+  const over: ProgressMeasure = {
     measure: 'inside_band',
     label: '',
     unit: '%',
-    points,
-    minimal_detectable_change: 12,
-    baseline_sessions: 3,
+    points: [],
+    trend: changed(50.2, 78.4, 9),
     bands: [],
-  });
-  const four = over([point('a', null, null), point('b', null, null), point('c', null, null), point('d', 28, true)]);
-
-  it('is said of the session that is reported, in percentage points', () => {
-    expect(verdict(four, 'd')).toBe('+28 percentage points, a real change');
-    expect(verdictText(four, 'd')).toMatch(
-      /^\+28 percentage points against the first three sessions: a real change, larger than the minimal detectable change of 12 percentage points/,
-    );
-    expect(verdict(four, 'a')).toBe('one of the first three');
-  });
-  it('is not judged from two walks', () => {
-    const two = over([point('a', null, null), point('d', null, null)]);
-    expect(verdictText(two, 'd')).toMatch(/^Not enough sessions to tell/);
+  };
+  it('is said of a session that was compared, in percentage points', () => {
+    const at = {
+      session_id: 'd',
+      at: '',
+      value: 50,
+      low: 49,
+      high: 51,
+      count: 5,
+      orientation: '',
+      template_version_id: null,
+    };
+    const here = { ...over, points: [at] };
+    expect(verdict(here, 'd')).toBe('+28 percentage points ± 9');
+    expect(verdictText(here)).toMatch(/^\+28 percentage points ± 9 since 1 Jan/);
+    expect(verdict(here, 'a')).toBe('–');
   });
 });
 

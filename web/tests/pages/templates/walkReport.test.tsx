@@ -3,6 +3,7 @@ import axe from 'axe-core';
 import { describe, expect, it, vi } from 'vitest';
 import type { Gait, GaitFoot, WalkMeasure } from '../../../src/api/types';
 import { ReportPage } from '../../../src/pages/report/ReportPage';
+import { changed, trend } from '../../trend';
 import { renderPage } from '../render';
 
 vi.mock('../../../src/charts/Plot', () => ({
@@ -56,16 +57,9 @@ const point = (session_id: string, day: number, value: number) => ({
   count: 6,
   orientation: 'foot 1',
   template_version_id: null,
-  change: null as number | null,
-  is_real_change: null as boolean | null,
 });
 /** Four walks, of which the last is the one reported. */
-const walks = (values: number[], change: number, isReal: boolean) =>
-  values.map((value, index) =>
-    index < 3
-      ? point('abc'[index] ?? '', index + 1, value)
-      : { ...point('s', index + 1, value), change, is_real_change: isReal },
-  );
+const walks = (values: number[]) => values.map((value, index) => point('abcs'[index] ?? '', index + 1, value));
 const ANSWERS = {
   '/api/sessions/s': {
     id: 's',
@@ -90,22 +84,22 @@ const ANSWERS = {
     affected_side: 'left',
     birth_date: null,
   },
-  '/api/patients/p/progress?exercise_id=e': {
+  '/api/patients/p/progress?exercise_id=e&until=s': {
     exercise_id: 'e',
     measures: [
       {
         measure: 'walk:speed:left',
         label: 'Walking speed, left',
         unit: 'm/s',
-        points: walks([0.7, 0.71, 0.69, 0.9], 0.2, true),
-        minimal_detectable_change: 0.1,
+        points: walks([0.7, 0.71, 0.69, 0.9]),
+        trend: changed(0.7, 0.9, 0.08),
       },
       {
         measure: 'walk:step_width',
         label: 'Step width',
         unit: 'm',
-        points: walks([0.15, 0.14, 0.16, 0.16], 0.01, false),
-        minimal_detectable_change: 0.05,
+        points: walks([0.15, 0.14, 0.16, 0.16]),
+        trend: changed(0.15, 0.16, 0.02, { word: 'unchanged' }),
       },
     ],
     events: [],
@@ -130,8 +124,8 @@ describe('the report of a walk', () => {
         .map((cell) => cell.textContent),
     ).toEqual(['102.0 cm ± 1.0', '110.0 cm ± 1.0', '−8 % ± 1', '–']);
     const speed = screen.getByRole('row', { name: /^Speed/ });
-    expect(speed.textContent).toContain('Left: +0.20 m/s, a real change');
-    expect(screen.getByRole('row', { name: /^Step width/ }).textContent).toContain('within chance');
+    expect(speed.textContent).toContain('+0.20 m/s ± 0.08');
+    expect(screen.getByRole('row', { name: /^Step width/ }).textContent).toContain('unchanged: within ± 3.0 cm');
     expect(screen.getByText('the forces of three strides are missing')).toBeTruthy();
     expect(screen.getAllByRole('img')).toHaveLength(2);
     expect(screen.getByText('18.0 cm apart (estimated from the forces)')).toBeTruthy();
@@ -148,7 +142,7 @@ describe('the report of a walk', () => {
   });
 
   it('has no column of changes for one of the first three walks, and units beside its curves', async () => {
-    const progress = ANSWERS['/api/patients/p/progress?exercise_id=e'];
+    const progress = ANSWERS['/api/patients/p/progress?exercise_id=e&until=s'];
     renderPage(<ReportPage />, {
       at: '/sessions/s/report',
       path: '/sessions/:sessionId/report',
@@ -158,15 +152,19 @@ describe('the report of a walk', () => {
           ...WALK,
           feet: WALK.feet.map((one) => ({ ...one, curves: [{ ...curve(0.1), name: 'height' as const, unit: 'm' }] })),
         },
-        '/api/patients/p/progress?exercise_id=e': {
+        '/api/patients/p/progress?exercise_id=e&until=s': {
           ...progress,
-          measures: progress.measures.map((one) => ({ ...one, points: [point('s', 1, 0.7), point('b', 2, 0.8)] })),
+          measures: progress.measures.map((one) => ({
+            ...one,
+            points: [point('s', 1, 0.7), point('b', 2, 0.8)],
+            trend: trend(),
+          })),
         },
       },
     });
     expect(await screen.findByText('0.70 m/s')).toBeTruthy();
-    expect(screen.queryByText('This walk against the first three')).toBeNull();
-    expect(screen.queryByText(/one of the first three/)).toBeNull();
+    expect(screen.queryByText('Change up to this walk')).toBeNull();
+    expect(screen.getByText(/a change can be judged from four days on/)).toBeTruthy();
     expect(screen.getByText('Height of the foot (cm)')).toBeTruthy();
     expect(screen.getByText(/^Walking speed, left \(m\/s\), over the sessions/)).toBeTruthy();
     expect(screen.getByText(/Foot tracking \(version 1\)/)).toBeTruthy();

@@ -14,7 +14,6 @@ import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
 import { Answer } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
 import { t } from '../../../i18n';
-import { BASELINE } from '../../../lib/assessment/baseline';
 import { placementLabel } from '../../../lib/channels';
 import { dateTime, number, quantity, withUnit } from '../../../lib/format';
 import { estimatorTitle } from '../../../lib/sessions';
@@ -31,13 +30,6 @@ interface Walked {
 
 const SIDES = ['left', 'right'] as const;
 const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, one.unit, one.sigma) : '–');
-/** A change too small to be written is none, whatever its chance. */
-function moved(measure: ProgressMeasure | null, sessionId: string): string {
-  const change = measure?.points.find((one) => one.session_id === sessionId)?.change;
-  const isNothing = measure !== null && typeof change === 'number' && !/[1-9]/.test(quantity(change, measure.unit));
-  return isNothing ? t('walkReport.none') : verdict(measure, sessionId);
-}
-
 const overTime = (measures: readonly ProgressMeasure[], name: string) =>
   measures.find((one) => one.measure === `walk:${name}`) ?? null;
 
@@ -59,8 +51,8 @@ function Summary({
   const counted = findMeasure(gait.feet[0]?.measures, 'stride_length')?.count ?? 0;
   const reasons = [...(test?.reasons ?? []), ...gait.reasons];
   const both = [...gait.both, ...(gait.balance?.measures ?? [])];
-  // Of one of the first three walks no row has a change: what stands above says so once.
-  const hasChanges = measures.some((one) => one.points.findIndex((at) => at.session_id === session.id) >= BASELINE);
+  // Of one of the first walks no row has a change: what stands above says so once.
+  const hasChanges = measures.some((one) => one.trend.word !== 'values');
   return (
     <Sheet title={t('walkReport.title')} number={1} session={session} patient={patient}>
       <dl className="paper-facts">
@@ -99,7 +91,7 @@ function Summary({
           <p className="paper-big number">{quantity(here?.value, main.unit)}</p>
           <div>
             <p className="strong">{main.label}</p>
-            <p>{verdictText(main, session.id)}</p>
+            <p>{verdictText(main)}</p>
           </div>
         </div>
       )}
@@ -137,10 +129,13 @@ function Summary({
               </td>
               {hasChanges && (
                 <td data-label={t('walkReport.change')}>
-                  {SIDES.flatMap((side) => {
-                    const over = overTime(measures, `${name}:${side}`);
-                    return over ? [`${t(`numbers.${side}`)}: ${moved(over, session.id)}`] : [];
-                  }).join('; ') || '–'}
+                  {/* Both feet walk at one speed. */}
+                  {overTime(measures, name)
+                    ? verdict(overTime(measures, name), session.id)
+                    : SIDES.flatMap((side) => {
+                        const over = overTime(measures, `${name}:${side}`);
+                        return over ? [`${t(`numbers.${side}`)}: ${verdict(over, session.id)}`] : [];
+                      }).join('; ') || '–'}
                 </td>
               )}
             </tr>
@@ -165,7 +160,7 @@ function Summary({
                   {shown(one)}
                 </td>
                 {hasChanges && (
-                  <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
+                  <td data-label={t('walkReport.change')}>{verdict(overTime(measures, one.measure), session.id)}</td>
                 )}
               </tr>
             ))}
@@ -287,7 +282,7 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
 
 export function WalkSheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
   const gait = useGait(session.id);
-  const progress = useProgress(patient.id, session.exercise_id ?? null);
+  const progress = useProgress(patient.id, session.exercise_id ?? null, session.id);
   const comparisons = useComparisons(session.id);
   const of =
     (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;

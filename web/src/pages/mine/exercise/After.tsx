@@ -7,6 +7,7 @@ import { api } from '../../../api/client';
 import { keys, useAnswers, useProgress } from '../../../api/queries';
 import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
 import { t } from '../../../i18n';
+import { isSure } from '../../../lib/assessment/trend';
 import { mainMeasure, plainProgress } from '../../../lib/plain';
 import { PlainProblem } from '../PlainProblem';
 import { hasHurt } from './hurt';
@@ -65,9 +66,8 @@ function TrueWord({ session, guidance }: { session: SessionDetail; guidance: Gui
   const newest = main?.points.at(-1);
   const valid = guidance?.counts.valid ?? validOf(session);
   const did = valid > 0 ? t('after.did', { count: valid }) : t('after.didNone');
-  return (
-    <p className="mine-say">{newest?.session_id === session.id && newest.is_real_change ? plainProgress(main) : did}</p>
-  );
+  const said = main && newest?.session_id === session.id && isSure(main.trend) ? plainProgress(main) : null;
+  return <p className="mine-say">{said ?? did}</p>;
 }
 
 export default function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {

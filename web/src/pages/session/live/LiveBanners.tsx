@@ -40,18 +40,18 @@ function Lasting({ sinceS, nowS }: { sinceS: number; nowS: number }) {
 }
 
 /** What is known of a session that only HTTP tells of. */
-type Told = Pick<SessionDetail, 'state' | 'packets_stored'>;
+type Known = Pick<SessionDetail, 'state' | 'packets_stored'>;
 
 /** The cause, whom to ask, and what the service says all the same. */
-function Blocked({ told }: { told: Told | undefined }) {
+function Blocked({ known }: { known: Known | undefined }) {
   return (
     <>
       <p>{t('live.blocked', { host: window.location.host })}</p>
-      {told && (
+      {known && (
         <p>
           {t('live.blockedState', {
-            state: t(`sessionState.${told.state}`),
-            count: number(told.packets_stored),
+            state: t(`sessionState.${known.state}`),
+            count: number(known.packets_stored),
           })}
         </p>
       )}
@@ -64,11 +64,11 @@ interface LiveBannersProps {
   snapshot: LiveSnapshot;
   isLinkLost: boolean;
   /** The session as HTTP tells of it, asked for again while no socket gets through. */
-  told?: Told;
+  known?: Known;
 }
 
 /** One banner at most: out of reach, or silent sensors. */
-export function LiveBanners({ snapshot, isLinkLost, told }: LiveBannersProps) {
+export function LiveBanners({ snapshot, isLinkLost, known }: LiveBannersProps) {
   const { connection, lostSinceS, silentSinceS, state } = snapshot;
   const isLost = connection === 'lost' && lostSinceS !== null;
   const isSilent =
@@ -87,7 +87,7 @@ export function LiveBanners({ snapshot, isLinkLost, told }: LiveBannersProps) {
   if (isLost) {
     return (
       <Banner title={t(snapshot.isBlocked ? 'live.blockedTitle' : 'live.viewLost', { time: clockTimeS(lostSinceS) })}>
-        {snapshot.isBlocked ? <Blocked told={told} /> : <p>{t('live.viewLostText')}</p>}
+        {snapshot.isBlocked ? <Blocked known={known} /> : <p>{t('live.viewLostText')}</p>}
         <p>{t('live.retrying')}</p>
         <p>
           {t('live.lostFor')} <Lasting sinceS={lostSinceS} nowS={nowS} />

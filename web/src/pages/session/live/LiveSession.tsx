@@ -137,7 +137,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <StateSteps step={step.current} />
         {!isOver && <Delay snapshot={snapshot} />}
       </div>
-      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} told={session} />}
+      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} known={session} />}
       {snapshot.connection === 'open' && !isOver && <NotStored health={snapshot.health} />}
       {state === 'created' && message?.reason && (
         <div className="banner banner-note" role="status">

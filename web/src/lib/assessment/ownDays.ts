@@ -1,5 +1,5 @@
 // A patient's own results by day: the curve of one measure, and the weeks in which she practised.
-import type { ProgressMeasure } from '../api/types';
+import type { ProgressMeasure } from '../../api/types';
 
 const begin = (at: string | Date) => {
   const day = new Date(at);

@@ -11,14 +11,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimators.comparison._band_words import (
+from estimators.comparison._contract import Measure, RepetitionResult, Template
+from estimators.comparison.channels.feet_words import odd_strides, other_pace, strides_left_band
+from estimators.comparison.channels.names import channel_name, channel_unit, is_of_stride
+from estimators.comparison.channels.sided import is_compensation
+from estimators.comparison.findings._band_words import (
     compensation,
     main_left_band,
     others_left_band,
     range_changed,
 )
-from estimators.comparison._contract import Measure, RepetitionResult, Template
-from estimators.comparison._differences import (
+from estimators.comparison.findings._differences import (
     LEAST_RANGE,
     LEAST_SHARE,
     Difference,
@@ -26,10 +29,7 @@ from estimators.comparison._differences import (
     least_of,
     other_range_of,
 )
-from estimators.comparison._outside import outside_band
-from estimators.comparison.channels.feet_words import odd_strides, other_pace, strides_left_band
-from estimators.comparison.channels.names import channel_name, channel_unit, is_of_stride
-from estimators.comparison.channels.sided import is_compensation
+from estimators.comparison.findings._outside import outside_band
 from estimators.sentences import Sentence, say
 
 _MOST = 3
@@ -77,14 +77,16 @@ def write_findings(
         first = [*unmeasured, *compensation(retained, by_name, template, outside)]
         main = main_left_band(retained, by_name, template, outside)
         left = others_left_band(outside.values(), is_also=bool(main))
-    told = {one.channel for one in left_band}
+    reported = {one.channel for one in left_band}
     helps = [f"compensation:{name}" for name in template.channels if is_compensation(name)]
-    helped_in_some = _in_some(helps, retained, by_name, template, told)
-    in_some = _in_some([f"range:{template.primary_channel}", "duration"], retained, by_name, template, told)
+    helped_in_some = _in_some(helps, retained, by_name, template, reported)
+    in_some = _in_some(
+        [f"range:{template.primary_channel}", "duration"], retained, by_name, template, reported
+    )
     found = [
         sentence
         for sentence in (
-            _range(retained, by_name, template, told),
+            _range(retained, by_name, template, reported),
             *(write(retained, by_name, template) for write in (_duration, _smoothness, _path)),
         )
         if sentence is not None
@@ -115,7 +117,7 @@ def _main_not_measured(retained: Sequence[RepetitionResult], template: Template)
     if not np.isfinite(sigma).any():
         return []
     unsure, width = 2.0 * float(np.nanmedian(sigma)), np.fmax(template.below, template.above)[:, column]
-    # Where it may be off by its band and by half of its way, nothing that it shows can be told from the template.
+    # Where it may be off by its band and by half of its way, nothing that it shows differs for sure from the template.
     way = 0.5 * float(np.nanmax(template.mean[:, column]) - np.nanmin(template.mean[:, column]))
     if channel_unit(template.primary_channel) == "rad" and unsure > max(float(np.nanmax(width)), way):
         return [say("findings.main_uncertain", channel=name, unsure_rad=unsure)]
@@ -127,16 +129,16 @@ def _in_some(
     retained: Sequence[RepetitionResult],
     summary: dict[str, Measure],
     template: Template,
-    told: set[str],
+    reported: set[str],
 ) -> list[Sentence]:
     """Say which repetitions had one of these faults, where all of them together do not show it for certain.
 
-    `told` are the channels that have their sentence already, because most repetitions are outside their band.
+    `reported` are the channels that have their sentence already, because most repetitions are outside their band.
     """
     found: list[Sentence] = []
     for name in names:
         together = difference_of(name, retained, summary, template)
-        if name.partition(":")[2] in {*template.watched, *told}:
+        if name.partition(":")[2] in {*template.watched, *reported}:
             continue
         if together is not None and together.certainty >= 1:
             continue
@@ -208,13 +210,13 @@ def _odd_ones(name: str, odd: Sequence[tuple[int, Difference]], template: Templa
 
 
 def _range(
-    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template, told: set[str]
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template, reported: set[str]
 ) -> tuple[float, str] | None:
     """Name the range that differs most, of the channels that have no sentence yet."""
     candidates: list[tuple[float, str]] = []
     for name in (n for n in template.measures if n.startswith("range:")):
         channel = name.removeprefix("range:")
-        if channel in template.watched or channel in told:
+        if channel in template.watched or channel in reported:
             continue
         difference = other_range_of(channel, retained, summary, template)
         if difference is not None:

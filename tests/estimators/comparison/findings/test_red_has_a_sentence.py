@@ -9,10 +9,10 @@ import pytest
 from estimators.comparison import Measure, Repetition, RepetitionResult, build_template, compare
 from estimators.comparison._compare import _outside
 from estimators.comparison._contract import PHASES
-from estimators.comparison._findings import write_findings
 from estimators.comparison._measures import summarise
 from estimators.comparison.channels.names import channel_name
 from estimators.comparison.channels.sided import is_compensation
+from estimators.comparison.findings._findings import write_findings
 from estimators.sentences import Sentence
 from tests.estimators.comparison.conftest import make_planar
 from tests.said import codes, sentence

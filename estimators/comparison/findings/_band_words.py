@@ -5,11 +5,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from estimators.comparison._contract import Measure, RepetitionResult, Template
-from estimators.comparison._differences import Difference, difference_of, least_of, other_range_of
-from estimators.comparison._outside import Outside
 from estimators.comparison.channels.feet_words import other_range
 from estimators.comparison.channels.names import channel_name, channel_unit, is_of_stride
 from estimators.comparison.channels.sided import is_compensation
+from estimators.comparison.findings._differences import Difference, difference_of, least_of, other_range_of
+from estimators.comparison.findings._outside import Outside
 from estimators.sentences import CATALOGUE, Sentence, say
 
 
@@ -67,7 +67,7 @@ def _beyond(one: Outside) -> Sentence:
 
 
 def _up_to(one: Outside) -> float:
-    """Return the distance as it is told, in whole degrees or centimetres: "up to 0" would say nothing."""
+    """Return the distance as it is said, in whole degrees or centimetres: "up to 0" would say nothing."""
     return max(one.beyond, 0.01 if channel_unit(one.channel) == "m" else float(np.radians(1.0)))
 
 
