@@ -50,7 +50,7 @@ def test_who_may_call_is_said(description):
     [
         ("GET", "/api/sign-in", "POST"),
         ("TRACE", "/api/health", "GET"),
-        ("PUT", "/api/sessions/x", "DELETE, GET"),
+        ("PUT", "/api/sessions/x", "DELETE, GET, PATCH"),
     ],
 )
 def test_a_method_that_an_address_does_not_take_is_answered_with_those_that_it_does(

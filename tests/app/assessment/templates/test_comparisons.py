@@ -117,14 +117,17 @@ def test_what_the_therapist_draws_decides_what_is_outside(
 ) -> None:
     """The same recording of somebody who leans 12 degrees, judged by four bands."""
     lean = "trunk_lean_forward_rad"
+    newest = str(template_version["id"])
 
     def drawn(**design: Any) -> str:
+        nonlocal newest
         answer = therapist.post(
             f"/api/templates/{template_version['template_id']}/versions",
-            json={"based_on": template_version["id"], "design": design, "reason": "lean"},
+            json={"based_on": newest, "design": design, "reason": "lean"},
         )
         assert answer.status_code == 201, answer.text
-        return str(answer.json()["id"])
+        newest = str(answer.json()["id"])
+        return newest
 
     def judged(session_id: str, version_id: str) -> tuple[list[Any], dict[str, Any]]:
         made = therapist.post(

@@ -430,6 +430,7 @@ def test_a_second_session_of_the_day_goes_on_where_the_first_one_ended(
         for number, made in enumerate((morning, later, last)):
             found = session.get_one(MotionSession, made.live.id)
             found.created_at = datetime(2026, 3, 4, 22 + number // 2, 50 + number, tzinfo=UTC)
+            found.started_at = found.created_at
     with read_only(engine) as session:
         counted = prescribed_guidance(session, last.live.id, "UTC")
         assert counted is not None
