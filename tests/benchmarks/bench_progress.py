@@ -279,7 +279,7 @@ def main() -> int:
 
         def answer(exercise_id: str) -> str:
             with unit_of_work(engine) as session:
-                found = progress(session, clinics.subject(), clinics.patient_id, exercise_id)
+                found = progress(session, clinics.subject(), clinics.patient_id, exercise_id, "UTC")
                 return found.model_dump_json()
 
         print(f"{platform.python_version()} on {processor()}")

@@ -130,6 +130,7 @@ def test_a_comparison_that_was_under_way_is_not_stored_for_the_wrong_patient(
 
     def move_meanwhile(*_):
         patch(therapist, session_id, patient_id=world.other_patient_id)
+        return None, ""
 
     monkeypatch.setattr("app.assessment.comparisons._counted", move_meanwhile)
     monkeypatch.setattr("app.assessment.comparisons._store", lambda *_: pytest.fail("of the wrong patient"))
