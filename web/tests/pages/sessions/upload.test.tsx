@@ -134,6 +134,7 @@ describe('a table', () => {
     expect(await screen.findByText('The unit was assumed.')).toBeTruthy();
     expect(screen.getByRole('radio', { name: /Single sensors/ })).toHaveProperty('checked', true);
     expect(declared).toEqual([]);
+    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({
       format: 'csv',
@@ -174,6 +175,7 @@ describe('a table', () => {
     await pick('Unit of time', 'Times of day as text');
     await pick('Signal 1: unit', 'rad/s');
     await pick('Signal 2: column of x', 'gyr_x');
+    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     const [gyroscope, accelerometer] = preview().mapping!.signals;
     expect(declared[0]?.csv).toEqual({
@@ -209,6 +211,7 @@ describe('a table', () => {
     const { user, declared } = await choose(preview({ format: 'gaitmap', pipeline: 'gait', mapping: null }));
     expect(await screen.findByText('Walk with both feet (gaitmap, CSV)')).toBeTruthy();
     expect(screen.queryByRole('radio', { name: /gaitmap/ })).toBeNull();
+    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'gaitmap', csv: null });
   });
@@ -218,6 +221,7 @@ describe('a table', () => {
     await user.click(await screen.findByRole('button', { name: 'Not right?' }));
     expect(screen.getByRole('radio', { name: /gaitmap/ })).toHaveProperty('checked', true);
     await user.click(screen.getByRole('radio', { name: /x-io/ }));
+    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'gait_tracking' });
   });
