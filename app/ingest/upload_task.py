@@ -23,6 +23,7 @@ from app.recordings.analysis.offline import Analysis, stretches
 from app.recordings.analysis.reprocess import count_session, enqueue_comparison
 from app.recordings.files_in_passing import file_of
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
+from app.recordings.repository import prescribed_at
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
 from app.recordings.signals.rows import insert_chunk
@@ -181,6 +182,8 @@ def _declare(
         found.started_at = found.started_at or recorded_at
         is_known = found.started_at is not None
         found.started_at = found.started_at or utc_now()
+        if found.prescription_id is None and found.purpose == "exercise":
+            found.prescription_id = prescribed_at(session, found, found.started_at)
         if not is_known:
             # Also on the time line, where it is read when the message of the task is long gone.
             session.add(

@@ -5,13 +5,15 @@ is to become a template); analysing again and deleting `treat`; watching a task'
 """
 
 from collections.abc import Sequence
+from datetime import datetime
 from typing import Any
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.subject import Subject
+from app.database.base import utc_now
 from app.errors import Conflict, InvalidInput, NotFound
 from app.exercises.models import Exercise, Prescription
 from app.pages import Page, rows_of
@@ -108,6 +110,8 @@ def sessions_among(
 def create_session(session: Session, subject: Subject, new: MotionSession) -> MotionSession:
     """Store a new session for a patient after checking what it refers to.
 
+    One that names an exercise and no prescription belongs to the prescription of that exercise, where there is one.
+
     Raises
     ------
     InvalidInput
@@ -127,12 +131,47 @@ def create_session(session: Session, subject: Subject, new: MotionSession) -> Mo
         exercise = session.get(Exercise, new.exercise_id)
         if exercise is None or exercise.clinic_id != patient.clinic_id:
             raise InvalidInput(say("exercise.not_found"), field="exercise_id")
+    # Of an upload whose day only the whole file says, its task asks.
+    at = utc_now() if new.source == "stream" else new.started_at
+    if new.prescription_id is None and new.purpose == "exercise" and at is not None:
+        new.prescription_id = prescribed_at(session, new, at)
     session.add(new)
     session.flush()
     audit.record(
         session, subject, "session.create", patient.id, new.id, {"purpose": new.purpose, "source": new.source}
     )
     return new
+
+
+def prescribed_at(session: Session, found: MotionSession, at: datetime) -> str | None:
+    """Return which prescription of the session's patient and exercise was in force at a moment.
+
+    Parameters
+    ----------
+    session : Session
+    found : MotionSession
+    at : datetime
+        With a time zone.
+
+    Returns
+    -------
+    str or None
+        The newest of several; None where the exercise was not prescribed, or the session names none.
+    """
+    if found.exercise_id is None:
+        return None
+    query = (
+        select(Prescription.id)
+        .where(
+            Prescription.patient_id == found.patient_id,
+            Prescription.exercise_id == found.exercise_id,
+            Prescription.starts_at <= at,
+            or_(Prescription.ends_at.is_(None), Prescription.ends_at > at),
+        )
+        .order_by(Prescription.starts_at.desc(), Prescription.id)
+        .limit(1)
+    )
+    return session.scalar(query)
 
 
 def patient_of(session: Session, subject: Subject, patient_id: str, level: Level) -> Patient:

@@ -4,7 +4,6 @@ What one patient's template said about a movement says nothing about another pat
 the session is compared again with what was prescribed where it now belongs. Moving it back undoes it.
 """
 
-from datetime import datetime
 from typing import Final
 
 from sqlalchemy import delete, or_, select
@@ -15,7 +14,7 @@ from app.accounts.subject import Subject
 from app.assessment.models import Comparison
 from app.assessment.records.schemas import SessionPatch
 from app.errors import Conflict, InvalidInput, NotAllowed
-from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.exercises.models import Exercise, Template, TemplateVersion
 from app.patients.access import levels, require_patient
 from app.patients.models import Mounting, Patient
 from app.recordings import repository as recordings
@@ -66,7 +65,7 @@ def change(session: Session, subject: Subject, session_id: str, wanted: SessionP
         audit.record(session, subject, "session.exercise", found.patient_id, found.id, details)
         found.exercise_id = exercise.id
         note(session, found, say("session.exercise_changed", reason=reason))
-    found.prescription_id = _prescription(session, found)
+    found.prescription_id = recordings.prescribed_at(session, found, found.started_at or found.created_at)
     compare_anew(session, subject, found)
     session.flush()
     return found
@@ -159,23 +158,6 @@ def _exercise(session: Session, found: MotionSession, wanted: str | None) -> Exe
     return exercise
 
 
-def _prescription(session: Session, found: MotionSession) -> str | None:
-    """Return what was prescribed for the session where it belongs now: in force when it was recorded, newest first."""
-    at: datetime = found.started_at or found.created_at
-    query = (
-        select(Prescription.id)
-        .where(
-            Prescription.patient_id == found.patient_id,
-            Prescription.exercise_id == found.exercise_id,
-            Prescription.starts_at <= at,
-            or_(Prescription.ends_at.is_(None), Prescription.ends_at > at),
-        )
-        .order_by(Prescription.starts_at.desc(), Prescription.id)
-        .limit(1)
-    )
-    return session.scalar(query)
-
-
 def _require_no_own_template(session: Session, found: MotionSession) -> None:
     """Refuse where a patient's own template was made of it: made from somebody else's movement, it misleads."""
     made = (
@@ -199,7 +181,7 @@ def put_again(session: Session, session_id: str, patient_id: str) -> bool:
     if found is None or patient is None or found.patient_id == patient_id:
         return False
     move(session, Subject.system(found.clinic_id), found, patient_id, "")
-    found.prescription_id = _prescription(session, found)
+    found.prescription_id = recordings.prescribed_at(session, found, found.started_at or found.created_at)
     compare_anew(session, Subject.system(found.clinic_id), found)
     return True
 

@@ -8,8 +8,9 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app import readers
-from app.database.unit_of_work import read_only
+from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
+from app.exercises.models import Prescription
 from app.ingest.upload import parse_declaration
 from app.ingest.upload_task import _declare
 from app.network.packet_log import write_log
@@ -94,3 +95,35 @@ def test_a_name_that_a_spreadsheet_would_take_for_a_formula_is_refused(name: str
 
 def test_usual_names_are_taken() -> None:
     check_names(["hand_right", "Sensor 2", "IMU-04.1", "Knöchel", "7"])
+
+
+@pytest.mark.parametrize(
+    ("days_before", "ends_after_days", "belongs"),
+    [(10, None, True), (10, 20, True), (10, 5, False), (-1, None, False)],
+)
+def test_a_recording_belongs_to_what_was_prescribed_on_its_day(
+    declared: Any,
+    engine: Engine,
+    world: Any,
+    tmp_path: Path,
+    days_before: int,
+    ends_after_days: int | None,
+    belongs: bool,
+) -> None:
+    """Nobody names the prescription: it is that of the exercise on the day of the recording, or none."""
+    starts_at = RECORDED - timedelta(days=days_before)
+    ends_at = None if ends_after_days is None else starts_at + timedelta(days=ends_after_days)
+    with unit_of_work(engine) as session:
+        prescription = Prescription(
+            patient_id=world.patient_id,
+            exercise_id=world.exercise_id,
+            starts_at=starts_at,
+            ends_at=ends_at,
+            times_per_week=3,
+            prescribed_by=world.subjects["therapist"].id,
+        )
+        session.add(prescription)
+        session.flush()
+        wanted = prescription.id if belongs else None
+    found, _ = declared(tmp_path / "e.tmlog", int(RECORDED.timestamp() * 1e9), exercise_id=world.exercise_id)
+    assert found.prescription_id == wanted
