@@ -253,7 +253,7 @@ async def open_foundation(
     services.add(WrongTickets())
     refused = services.add(RefusedSignIns(engine, settings))
     stack.push_async_callback(partial(to_thread.run_sync, refused.close))
-    services.add(DiskUse(engine, settings.clinic_disk_bytes))
+    services.add(DiskUse(engine, settings))
     return services
 
 

@@ -198,7 +198,13 @@ class Settings(BaseSettings):
     clinic_disk_bytes: int = Field(
         default=200 << 30,
         gt=0,
-        description="Signals that one clinic may store, in bytes; then it can start no session and upload nothing.",
+        description="Signals and waiting files that one clinic may have, in bytes; then it can start no session."
+        " Uploads may use nine tenths of it: the rest stays free for live sessions.",
+    )
+    disk_reserve_bytes: int = Field(
+        default=1 << 30,
+        ge=0,
+        description="Free space on the disk of TELEMOTION_DATA_DIR that uploads leave to live packets, in bytes.",
     )
     nats_url: SecretStr = Field(
         default=SecretStr("nats://127.0.0.1:4222"),

@@ -1,15 +1,16 @@
 """Receiving `multipart/form-data`: one JSON part and one file, straight to disk, never beyond a limit."""
 
-import os
 from collections.abc import AsyncIterator, Awaitable, Callable
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from anyio import to_thread
+from fastapi import Request
 from python_multipart.exceptions import FormParserError
 from python_multipart.multipart import MultipartParser, parse_options_header
 
 from app.errors import InvalidInput, TooLarge
+from app.recordings.files_in_passing import open_private
 from app.sentences import say
 
 MAX_FIELD_BYTES: Final = 256 * 1024
@@ -49,6 +50,8 @@ class UploadReceiver:
         Largest file.
     on_declaration : async callable(bytes)
         Called once, before the first byte of the file is written; raises to refuse.
+    on_growth : callable(int)
+        Called in a thread before more of the file is written, with its size in bytes by then; raises to refuse.
     """
 
     def __init__(
@@ -57,6 +60,7 @@ class UploadReceiver:
         target: Path,
         limit_bytes: int,
         on_declaration: Callable[[bytes], Awaitable[None]],
+        on_growth: Callable[[int], None] = lambda _: None,
     ) -> None:
         kind, options = parse_options_header(content_type)
         boundary = options.get(b"boundary")
@@ -65,6 +69,7 @@ class UploadReceiver:
         self._target = target
         self._limit_bytes = limit_bytes
         self._on_declaration = on_declaration
+        self._on_growth = on_growth
         self._parser = MultipartParser(
             boundary,
             {
@@ -110,7 +115,7 @@ class UploadReceiver:
                         raise InvalidInput(say("upload.declaration_first"))
                     await self._on_declaration(self._declaration)
                     is_declared = True
-                    file = await to_thread.run_sync(_open_private, self._target)
+                    file = await to_thread.run_sync(open_private, self._target)
                 if file is not None and len(self._pending) >= _WRITE_BYTES:
                     await self._flush(file)
             if not self._is_complete:
@@ -124,6 +129,7 @@ class UploadReceiver:
 
     async def _flush(self, file: BinaryIO) -> None:
         data, self._pending = bytes(self._pending), bytearray()
+        await to_thread.run_sync(self._on_growth, self.file_bytes)
         await to_thread.run_sync(file.write, data)
 
     def _part_begins(self) -> None:
@@ -169,9 +175,10 @@ class UploadReceiver:
         self._is_complete = True
 
 
-def _open_private(path: Path) -> BinaryIO:
-    """Open a new file that only the service may read."""
-    return os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb")
+def announced_bytes(request: Request) -> int:
+    """Return the length that a request announces for its body; 0 where it announces none."""
+    length = request.headers.get("content-length", "")
+    return int(length) if length.isdigit() else 0
 
 
 def too_large(limit_bytes: int) -> TooLarge:
@@ -182,4 +189,4 @@ def too_large(limit_bytes: int) -> TooLarge:
     )
 
 
-__all__ = ["UploadReceiver", "too_large"]
+__all__ = ["UploadReceiver", "announced_bytes", "too_large"]

@@ -15,7 +15,7 @@ from app.database.base import new_id
 from app.database.dependencies import ReadSession
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, TooLarge
-from app.ingest._multipart import UploadReceiver, described
+from app.ingest._multipart import UploadReceiver, announced_bytes, described
 from app.pages import WantedPage
 from app.readers import read_markers
 from app.readers.markers.schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
@@ -23,6 +23,7 @@ from app.recordings import marker_motion, markers, service
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.files_in_passing import upload_folder
 from app.recordings.schemas import JobOut
+from app.recordings.signals.disk import DiskUse, Room
 from app.sentences import say
 from app.services import services_of
 
@@ -46,13 +47,18 @@ async def upload_markers(session_id: str, request: Request, subject: CurrentSubj
     async def check(text: bytes) -> None:
         declaration = _declaration(text)
         await to_thread.run_sync(_check, services.engine, subject, session_id, declaration)
+        await to_thread.run_sync(room.take, path.name, announced_bytes(request))
         declared.append(declaration)
 
+    room = Room(services.get(DiskUse), subject.clinic_id)
     path = upload_folder(services.settings) / f"{new_id()}.part"
-    receiver = UploadReceiver(request.headers.get("content-type", ""), path, FILE_LIMIT_BYTES, check)
+    receiver = UploadReceiver(
+        request.headers.get("content-type", ""), path, FILE_LIMIT_BYTES, check, room.grow
+    )
     try:
-        await receiver.receive(request.stream())
-        job = await to_thread.run_sync(register, services.engine, subject, session_id, declared[0], path)
+        with services.limits.take("uploads", subject), room:
+            await receiver.receive(request.stream())
+            job = await to_thread.run_sync(register, services.engine, subject, session_id, declared[0], path)
     finally:
         # The database has it now, whole, or nobody has.
         path.unlink(missing_ok=True)

@@ -20,7 +20,7 @@ from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
-from app.ingest._multipart import UploadReceiver, described, too_large
+from app.ingest._multipart import UploadReceiver, announced_bytes, described, too_large
 from app.readers.moments import is_possible
 from app.recordings import repository, service
 from app.recordings.analysis.jobs import JobRunner
@@ -28,7 +28,7 @@ from app.recordings.analysis.kinds import kinds
 from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession
 from app.recordings.schemas import JobOut, UploadIn
-from app.recordings.signals.disk import DiskUse
+from app.recordings.signals.disk import DiskUse, Room
 from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
@@ -47,25 +47,26 @@ async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
     """
     services = services_of(request)
     settings: Settings = services.settings
-    length = request.headers.get("content-length", "")
-    if length.isdigit() and int(length) > settings.upload_limit_bytes + MULTIPART_SLACK_BYTES:
+    length = announced_bytes(request)
+    if length > settings.upload_limit_bytes + MULTIPART_SLACK_BYTES:
         raise too_large(settings.upload_limit_bytes)
     declared: list[UploadIn] = []
+    room = Room(services.get(DiskUse), subject.clinic_id)
 
     async def check(text: bytes) -> None:
         declaration = parse_declaration(text)
         await to_thread.run_sync(_check_right, services.engine, subject, declaration)
-        await to_thread.run_sync(services.get(DiskUse).check, subject.clinic_id)
+        await to_thread.run_sync(room.take, whole.name, length)
         declared.append(declaration)
 
     folder = upload_folder(settings)
     name = new_id()
     partial, whole = folder / f"{name}.part", folder / f"{name}.upload"
     receiver = UploadReceiver(
-        request.headers.get("content-type", ""), partial, settings.upload_limit_bytes, check
+        request.headers.get("content-type", ""), partial, settings.upload_limit_bytes, check, room.grow
     )
     try:
-        with services.limits.take("uploads", subject):
+        with services.limits.take("uploads", subject), room:
             await receiver.receive(request.stream())
             await to_thread.run_sync(partial.rename, whole)
             job = await to_thread.run_sync(register, services.engine, settings, subject, declared[0], whole)

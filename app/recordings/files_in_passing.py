@@ -4,10 +4,11 @@ A file belongs to the task that reads it. Whoever ends that task for good, or de
 what a crash leaves is found at the next start and every hour.
 """
 
+import os
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 from sqlalchemy import Engine, Select, select
 from sqlalchemy.orm import Session
@@ -24,6 +25,11 @@ def upload_folder(settings: Settings) -> Path:
     folder = settings.data_dir / "uploads"
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     return folder
+
+
+def open_private(path: Path) -> BinaryIO:
+    """Open a new file for writing that the service alone may read."""
+    return os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb")
 
 
 def file_of(settings: Settings, arguments: dict[str, Any]) -> Path | None:
@@ -80,4 +86,12 @@ def remove_orphans(engine: Engine, settings: Settings, older_than_s: float = 0.0
     return len(orphans)
 
 
-__all__ = ["SWEEP_S", "file_of", "remove_file", "remove_files_of", "remove_orphans", "upload_folder"]
+__all__ = [
+    "SWEEP_S",
+    "file_of",
+    "open_private",
+    "remove_file",
+    "remove_files_of",
+    "remove_orphans",
+    "upload_folder",
+]

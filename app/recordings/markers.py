@@ -21,6 +21,7 @@ from app.errors import Conflict, NotFound
 from app.pages import Page, rows_of
 from app.readers.markers.schemas import MarkerReport, MarkersOut, MarkerUploadIn
 from app.recordings import repository
+from app.recordings.files_in_passing import open_private
 from app.recordings.models import Job, MotionSession, SignalChunk
 from app.recordings.signals import codecs
 from app.recordings.signals.chunks import EncodedChunk
@@ -94,7 +95,7 @@ def write_file(session: Session, session_id: str, markers_id: str, path: Path) -
     """Write an uploaded file out again; return what was declared of it."""
     rows = _rows(session, session_id, _FILE + markers_id)
     declared = None
-    with path.open("wb") as file:
+    with open_private(path) as file:
         for row in rows:
             declared = row.scale["declaration"]
             file.write(zlib.decompress(sound(row)))

@@ -19,6 +19,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "stored.layout": "Stored frames do not fit the layout of their result; restore them from a backup.",
     "stored.quota": "Your clinic has stored {used_bytes:gib.1} of signals; {limit_bytes:gib.1} are allowed."
     " Delete sessions that are no longer needed, or ask the operator of this service for more.",
+    "stored.no_room": "This file of {size_bytes:mib.1} does not fit: your clinic has stored {used_bytes:mib.1}, and"
+    " uploads may use {limit_bytes:mib.1}; the rest stays free for live sessions. Delete sessions that are no longer"
+    " needed, or ask the operator of this service for more.",
+    "stored.disk_reserve": "The disk of this service has no room for further files; the rest stays free for live"
+    " sessions. Ask the operator of this service, and send the file again later.",
     "stored.not_open": "This session is not open for storing; open it first.",
     "stored.failed": "This session can no longer be stored. {reason}",
     "stored.stopping": "The service is stopping; send again to the next one.",

@@ -29,6 +29,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "stored.quota": "Ihre Praxis hat {used_bytes:gib.1} an Signalen gespeichert; erlaubt sind"
     " {limit_bytes:gib.1}. Löschen Sie Sitzungen, die nicht mehr gebraucht werden, oder bitten Sie den"
     " Betrieb dieses Dienstes um mehr.",
+    "stored.no_room": "Diese Datei von {size_bytes:mib.1} passt nicht: Ihre Praxis hat {used_bytes:mib.1} gespeichert,"
+    " Hochgeladenes darf {limit_bytes:mib.1} belegen; der Rest bleibt für laufende Sitzungen frei. Löschen Sie"
+    " Sitzungen, die nicht mehr gebraucht werden, oder bitten Sie den Betrieb dieses Dienstes um mehr.",
+    "stored.disk_reserve": "Auf der Platte dieses Dienstes ist für weitere Dateien kein Platz; der Rest bleibt für"
+    " laufende Sitzungen frei. Fragen Sie den Betrieb dieses Dienstes und senden Sie die Datei später noch einmal.",
     "stored.refused": "Die Datenbank hat ihre Daten abgewiesen.",
     "stored.session_gone": "Die Sitzung gibt es nicht mehr.",
     "stored.stopping": "Der Dienst hält gerade an; senden Sie noch einmal an den nächsten.",
