@@ -227,7 +227,7 @@ def change_prescription(
     NotFound
         No such prescription, or no right to know of it.
     Conflict
-        Somebody changed it since it was read: the message says who and when; or it has ended.
+        Somebody changed it since it was read: the message says who, its details when; or it has ended.
     InvalidInput
         As of `create_prescription`.
     """
@@ -290,7 +290,7 @@ def _changed_meanwhile(session: Session, prescription_id: str) -> Conflict:
         return Conflict(say("edited.elsewhere"))
     change, name = changes[0]
     return Conflict(
-        say("edited.meanwhile", name=name, at=f"{change.created_at:%Y-%m-%d %H:%M} UTC"),
+        say("edited.meanwhile", name=name),
         changed_by=name,
         changed_at=change.created_at.isoformat(),
     )

@@ -13,9 +13,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "prescription.has_ended": "This prescription has ended; prescribe the exercise again.",
     "edited.elsewhere": "Somebody else has changed this since you opened it. Load it again; what you entered is still"
     " here.",
-    "edited.meanwhile": "{name} changed this on {at}, after you opened it. Nothing of yours was saved and nothing is"
+    "edited.meanwhile": "{name} changed this after you opened it. Nothing of yours was saved and nothing is"
     " lost: look at that change, then save again.",
-    "template.changed_meanwhile": "{name} saved version {number} on {at}, after you opened this one: “{reason}”."
+    "template.changed_meanwhile": "{name} saved version {number} after you opened this one: “{reason}”."
     " Nothing is lost: look at that version, then save yours on top of it.",
     "prescription.time_needs_zone": "A time needs its time zone, for instance 2030-01-31T12:00:00Z.",
     "template.not_found": "Template not found, or not shared with you.",

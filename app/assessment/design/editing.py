@@ -28,7 +28,8 @@ def draw(
     NotFound, NotAllowed
         The template is not the subject's to change.
     Conflict
-        Somebody saved a version after the one that this is based on: the message says who and when.
+        Somebody saved a version after the one that this is based on: the message says who,
+        and its details which version is stored now and since when.
     InvalidInput
         The version is another template's, the design does not fit its curves, or the recording itself or the
         patient at rest breaks a rule of it; the message says where, and with which value.
@@ -46,7 +47,6 @@ def draw(
                 "template.changed_meanwhile",
                 name=name,
                 number=newest.number,
-                at=f"{newest.created_at:%Y-%m-%d %H:%M} UTC",
                 reason=newest.reason,
             ),
             changed_by=name,

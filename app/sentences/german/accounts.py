@@ -317,10 +317,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "compass.unusable": "Diese Kompasskalibrierung ist nicht verwendbar. {reasons:lines}",
     "edited.elsewhere": "Jemand anderes hat dies geändert, seit Sie es geöffnet haben. Laden Sie es neu; Ihre Eingaben"
     " sind noch hier.",
-    "edited.meanwhile": "{name} hat dies am {at} geändert, nachdem Sie es geöffnet hatten. Nichts von Ihnen wurde"
+    "edited.meanwhile": "{name} hat dies geändert, nachdem Sie es geöffnet hatten. Nichts von Ihnen wurde"
     " gespeichert und nichts ist verloren: Sehen Sie sich die Änderung an und speichern Sie dann noch einmal.",
     "prescription.has_ended": "Diese Verordnung ist beendet; verordnen Sie die Übung neu.",
-    "template.changed_meanwhile": "{name} hat am {at} Version {number} gespeichert, nachdem Sie diese geöffnet hatten:"
+    "template.changed_meanwhile": "{name} hat Version {number} gespeichert, nachdem Sie diese geöffnet hatten:"
     " „{reason}“. Nichts ist verloren: Sehen Sie sich die Version an und speichern Sie Ihre dann darauf.",
     "design.band_narrow": "Das Band von {channel:channel} ist zu eng: {left} von {of} Wiederholungen der eigenen"
     " Aufnahme der Vorlage verlassen es, um bis zu {excess}. Machen Sie es breiter.",

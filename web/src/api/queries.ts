@@ -139,10 +139,13 @@ function useAll<T>(queryKey: readonly unknown[], path: string, options: { enable
 function useChange<In, Out>(
   change: (input: In) => Promise<Out>,
   old: (input: In, output: Out) => readonly (readonly unknown[])[],
+  /** Keys that are old when the service refuses: somebody else changed them meanwhile. */
+  refused: readonly (readonly unknown[])[] = [],
 ) {
   const client = useQueryClient();
   return useMutation<Out, Error, In>({
     mutationFn: change,
+    onError: () => Promise.all(refused.map((queryKey) => client.invalidateQueries({ queryKey }))).then(() => undefined),
     onSuccess: (output, input) =>
       Promise.all(old(input, output).map((queryKey) => client.invalidateQueries({ queryKey }))).then(() => undefined),
   });
@@ -355,6 +358,7 @@ export const useChangePrescription = (id: string) =>
     ({ prescriptionId, ...input }: Wire.PrescriptionChangeIn & { prescriptionId: string }) =>
       api.patch<Wire.Prescription>(`/api/prescriptions/${prescriptionId}`, input),
     () => [keys.prescriptions(id), keys.caseload],
+    [keys.prescriptions(id)],
   );
 export const useEndPrescription = (id: string) =>
   useChange(

@@ -101,3 +101,16 @@ describe('German', () => {
     expect(said(lost, words)).toContain('Kopf und Hand links');
   });
 });
+
+it('has each key in one file only: the later of two would silently replace the words of the earlier', () => {
+  const files = import.meta.glob<Record<string, Words>>(
+    ['../../src/i18n/en/**/*.ts', '!../../src/i18n/en/index.ts', '../../src/kinds/*/words/en.ts'],
+    { eager: true },
+  );
+  const where = new Map<string, string[]>();
+  for (const [file, pieces] of Object.entries(files))
+    for (const piece of Object.values(pieces))
+      for (const key of Object.keys(piece)) where.set(key, [...(where.get(key) ?? []), file]);
+  expect(where.size).toBeGreaterThan(1000);
+  expect([...where].filter(([, found]) => found.length > 1)).toEqual([]);
+});

@@ -15,6 +15,7 @@ import { sources } from './session/sources';
 import { walking } from './session/walking';
 import { clinic } from './staff/clinic';
 import { design } from './staff/design';
+import { editing } from './staff/editing';
 import { patient } from './staff/patient';
 import { report } from './staff/report';
 import { research } from './staff/research';
@@ -26,6 +27,7 @@ export const words: Catalogue = {
   ...common,
   ...design,
   ...doing,
+  ...editing,
   ...home,
   ...magnetic,
   ...markers,

@@ -14,6 +14,7 @@ import { sources } from './session/sources';
 import { walking } from './session/walking';
 import { clinic } from './staff/clinic';
 import { design } from './staff/design';
+import { editing } from './staff/editing';
 import { patient } from './staff/patient';
 import { report } from './staff/report';
 import { research } from './staff/research';
@@ -25,6 +26,7 @@ export const words = {
   ...common,
   ...design,
   ...doing,
+  ...editing,
   ...home,
   ...magnetic,
   ...markers,

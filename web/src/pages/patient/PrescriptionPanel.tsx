@@ -10,7 +10,7 @@ import { t } from '../../i18n';
 import { isWalk, exerciseOf } from '../../lib/exercises';
 import { date, number } from '../../lib/format';
 import { scheduleText, weekText } from '../../lib/assessment/practice';
-import { PrescribeForm } from './PrescribeForm';
+import { PrescribeForm } from './prescribe/PrescribeForm';
 
 /** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
 export function doseText(

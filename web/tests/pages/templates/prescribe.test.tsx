@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { Exercise, Patient, Prescription, PrescriptionIn, Template } from '../../../src/api/types';
-import { PrescribeForm } from '../../../src/pages/patient/PrescribeForm';
+import { PrescribeForm } from '../../../src/pages/patient/prescribe/PrescribeForm';
 import { renderPage } from '../render';
 
 afterEach(() => vi.unstubAllGlobals());

@@ -3,6 +3,7 @@ import { Button, Group, Textarea } from '@mantine/core';
 import { useEffect, useMemo, useState } from 'react';
 import { useNavigate, useParams } from 'react-router';
 import { LegendRow, LegendStroke } from '../../../charts/Legend';
+import { ApiError } from '../../../api/client';
 import { useDrawVersion, useTemplateVersion } from '../../../api/queries';
 import type { TemplateVersionDetail } from '../../../api/types';
 import { Answer, Notice, Problem } from '../../../components/Feedback';
@@ -27,6 +28,7 @@ import '../../../styles/design.css';
 import { BandChart } from './BandChart';
 import { CueRules } from './CueRules';
 import { CurveList } from './CurveList';
+import { MergeVersion } from './MergeVersion';
 import { PhaseTable } from './PhaseTable';
 import { StopRules } from './StopRules';
 import { Weights } from './Weights';
@@ -136,17 +138,26 @@ function Legend() {
   );
 }
 
+/** The version that is stored now, where the service refused to save on top of an older one. */
+function newerThan(error: unknown): string | null {
+  const newest = error instanceof ApiError && error.status === 409 ? error.details.newest : null;
+  return typeof newest === 'string' ? newest : null;
+}
+
 function Editor({
-  version,
+  opened,
   onSaved,
 }: {
-  version: TemplateVersionDetail;
+  opened: TemplateVersionDetail;
   onSaved: (made: TemplateVersionDetail) => void;
 }) {
+  // Another one once somebody saved meanwhile and both changes were joined.
+  const [version, setVersion] = useState(opened);
   const start = useMemo(() => draftOf(version.design), [version]);
   const [draft, setDraft] = useState(start);
   const [reason, setReason] = useState('');
   const save = useDrawVersion(version.template_id);
+  const newestId = newerThan(save.error);
   const isChanged = JSON.stringify(designOf(draft)) !== JSON.stringify(designOf(start));
   useEffect(() => {
     if (!isChanged) return;
@@ -160,6 +171,10 @@ function Editor({
   const angles = pickCurves(curves, true, version.primary_channel).filter((one) => !one.channel.includes('.'));
   return (
     <div className="stack">
+      <p className="muted">
+        {t('design.basedOn', { number: version.number, date: date(version.created_at), by: version.made_by })}
+        {version.reason && ` · ${version.reason}`}
+      </p>
       {(version.troubles ?? []).map((one) => (
         <Notice key={one}>{one}</Notice>
       ))}
@@ -202,9 +217,27 @@ function Editor({
           value={reason}
           onChange={(event) => setReason(event.currentTarget.value)}
         />
-        {save.error && <Problem error={save.error} />}
+        {save.error && !newestId && <Problem error={save.error} />}
+        {newestId && (
+          <MergeVersion
+            base={version}
+            draft={draft}
+            newestId={newestId}
+            onTake={(newest, merged) => {
+              setVersion(newest);
+              setDraft(merged);
+              save.reset();
+            }}
+          />
+        )}
+        {version !== opened && !newestId && <Notice>{t('meanwhile.taken')}</Notice>}
         <Group>
-          <Button type="submit" size="lg" disabled={!isChanged || !reason.trim() || isBroken} loading={save.isPending}>
+          <Button
+            type="submit"
+            size="lg"
+            disabled={!isChanged || !reason.trim() || isBroken || newestId !== null}
+            loading={save.isPending}
+          >
             {t('design.save', { number: version.number + 1 })}
           </Button>
           {isChanged && (
@@ -236,15 +269,7 @@ export function EditTemplatePage() {
       ]}
     >
       <Answer of={version} lines={8} height={44}>
-        {(data) => (
-          <>
-            <p className="muted">
-              {t('design.basedOn', { number: data.number, date: date(data.created_at), by: data.made_by })}
-              {data.reason && ` · ${data.reason}`}
-            </p>
-            <Editor key={data.id} version={data} onSaved={(made) => void navigate(exercisePath(made))} />
-          </>
-        )}
+        {(data) => <Editor key={data.id} opened={data} onSaved={(made) => void navigate(exercisePath(made))} />}
       </Answer>
     </Page>
   );

@@ -1,0 +1,37 @@
+import type { Translated } from '../..';
+import type { editing as english } from '../../en/staff/editing';
+
+export const editing: Translated<typeof english> = {
+  'meanwhile.title': 'Inzwischen geändert',
+  'meanwhile.savedVersion': '{name} hat Version {number} gespeichert, nachdem Sie diese geöffnet hatten ({when}).',
+  'meanwhile.reason': 'Grund: „{reason}“',
+  'meanwhile.recorded':
+    'Die Bewegung wurde dafür neu aufgenommen: Die Kurven unten sind die neuen, sobald Sie fortfahren.',
+  'meanwhile.changedIt': '{name} hat dies geändert, nachdem Sie es geöffnet hatten ({when}).',
+  'meanwhile.nothingLost': 'Nichts von Ihnen ist verloren, und noch ist nichts gespeichert.',
+  'meanwhile.theirs': 'Geändert von {name}',
+  'meanwhile.line': '{field}: {after} (vorher: {before})',
+  'meanwhile.noDifference': 'Was jetzt dort steht, unterscheidet sich nicht von dem, was Sie geöffnet haben.',
+  'meanwhile.both': 'Dies haben Sie beide geändert. Was soll gelten?',
+  'meanwhile.before': 'Vorher: {value}',
+  'meanwhile.mine': 'Ihre Änderung',
+  'meanwhile.by': '{name}',
+  'meanwhile.take': 'Mit beiden Änderungen weiter',
+  'meanwhile.choose': 'Wählen Sie zuerst jeweils eine.',
+  'meanwhile.taken': 'Die Änderungen von beiden stehen jetzt hier. Prüfen Sie sie und speichern Sie dann.',
+  'meanwhile.none': 'keine',
+  'meanwhile.bandOf': 'Band: {curve}',
+  'meanwhile.band': '{phase}: {below} nach unten, {above} nach oben',
+  'meanwhile.ofRecorded': '{percent} %',
+  'meanwhile.bandHelp': 'der aufgenommenen Breite',
+  'meanwhile.limitabove': 'Grenze: {curve}, oben',
+  'meanwhile.limitbelow': 'Grenze: {curve}, unten',
+  'meanwhile.stop.lost': 'Pause, wenn die Sensoren verloren sind',
+  'meanwhile.stop.unsure': 'Pause, wenn die Sensoren zu unsicher sind',
+  'meanwhile.cue': 'Hinweis: wenn {what}',
+  'meanwhile.off': 'aus',
+  'meanwhile.phase': '{phase} bis {percent} %',
+  'meanwhile.minutes': '{minutes} min',
+  'meanwhile.schedule': 'Tage und Zeiten',
+  'meanwhile.perWeek': '{count} × pro Woche',
+};
