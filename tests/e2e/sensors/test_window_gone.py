@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Error, Page, expect
 
+from app.demo.people import PASSWORD, PATIENTS
 from tests.e2e.conftest import Service, Visitor
 from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay
@@ -157,3 +158,65 @@ def test_what_a_window_left_is_sent_the_next_day_too(
     assert_all_is_stored(therapist, left)
     # It is over: nothing asks her to go on with it.
     expect(again.page.locator(f"a[href*='{left.session_id}/live']")).to_have_count(0)
+
+
+SEALED = """async () => {
+  const database = await new Promise((give) => {
+    const request = indexedDB.open("telemotion-sensors");
+    request.onsuccess = () => give(request.result);
+  });
+  const all = (name) => new Promise((give) => {
+    const request = database.transaction(name).objectStore(name).getAll();
+    request.onsuccess = () => give(request.result);
+  });
+  const rows = [...(await all("packets")), ...(await all("sessions"))];
+  database.close();
+  return {rows: rows.length, keys: [...new Set(rows.flatMap(Object.keys))].sort()};
+}"""
+
+
+def sign_in(page: Page, email: str) -> None:
+    page.get_by_label("E-mail").fill(email)
+    page.get_by_label("Password", exact=True).fill(PASSWORD)
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Menu")).to_be_visible()
+
+
+def sign_out(page: Page) -> None:
+    page.get_by_role("button", name="Menu").click()
+    page.get_by_role("menuitem", name="Sign out").click()
+
+
+def test_what_waits_is_sealed_for_its_account_and_sent_after_its_next_sign_in(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    left = leave(patient, relay, therapist, close)
+    relay.mend()
+    relay.refuse(b"GET /ws/ingest")
+    again = open_again(left, relay)
+    page = again.page
+    expect(page.locator(".sensor-unsent")).to_contain_text("sent as soon as there is a connection")
+    waiting = page.evaluate(home.WAITING)
+    sealed = page.evaluate(SEALED)
+    assert sealed["rows"] > waiting > 0
+    assert sealed["keys"] == ["accountId", "iv", "next", "sealed", "sequence", "sessionId", "usedMs"]
+
+    sign_out(page)
+    question = page.get_by_role("dialog")
+    expect(question).to_contain_text("of movement. Nobody else can read it here.")
+    again.picture("left-at-sign-out-390")
+    question.get_by_role("button", name="Sign out").click()
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+
+    relay.mend()
+    sign_in(page, PATIENTS[1].email)
+    page.wait_for_timeout(1500)
+    expect(page.locator(".sensor-unsent")).to_have_count(0)
+    assert page.evaluate(home.WAITING) == waiting
+    sign_out(page)
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+
+    sign_in(page, PATIENTS[0].email)
+    assert_is_sent(again)
+    therapist.post(f"/api/sessions/{left.session_id}/close")
+    assert_all_is_stored(therapist, left)

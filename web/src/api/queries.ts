@@ -11,6 +11,7 @@ import {
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { speakLanguage, wanted } from '../i18n/languages';
+import { holdStoreKey } from '../sensors/gateway/seal';
 import { stopMeasuring } from '../sensors/registry';
 
 export const keys = {
@@ -64,6 +65,7 @@ export const keys = {
 
 async function accept(me: Wire.Me): Promise<Wire.Me> {
   setCsrfToken(me.csrf_token);
+  holdStoreKey(me.store_key);
   await speakLanguage(wanted(me.locale));
   return me;
 }
@@ -100,6 +102,7 @@ export function useSignIn() {
 export function forgetEverything(client: QueryClient): void {
   stopMeasuring();
   setCsrfToken('');
+  holdStoreKey('');
   client.clear();
   client.setQueryData(keys.me, null);
 }

@@ -4,12 +4,12 @@ import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-rea
 import { useEffect, useRef } from 'react';
 import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react-router';
 import { useMe } from '../api/queries';
-import { wantSignOut } from '../api/signOut';
 import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
 import { SecondFactorRemoved } from './account/SecondFactorRemoved';
 import { SecondFactorSet } from './account/SecondFactorSet';
+import { useSignOut } from './account/useSignOut';
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -45,6 +45,7 @@ export function Shell() {
   const location = useLocation();
   const main = useRef<HTMLElement>(null);
   const first = useRef(true);
+  const [signOut, question] = useSignOut(me.data?.account_id ?? '', me.data?.role === 'patient');
 
   // A new page: start at its top, and let a screen reader start there too.
   useEffect(() => {
@@ -135,7 +136,7 @@ export function Shell() {
                   </Menu.Item>
                 ))}
                 <Menu.Divider />
-                <Menu.Item onClick={() => wantSignOut('asked')}>{t('action.signOut')}</Menu.Item>
+                <Menu.Item onClick={signOut}>{t('action.signOut')}</Menu.Item>
               </Menu.Dropdown>
             </Menu>
             <Menu position="bottom-end" width={260}>
@@ -152,7 +153,7 @@ export function Shell() {
                   </Menu.Item>
                 ))}
                 <Menu.Divider />
-                <Menu.Item fz="md" py={12} onClick={() => wantSignOut('asked')}>
+                <Menu.Item fz="md" py={12} onClick={signOut}>
                   {t('action.signOut')}
                 </Menu.Item>
               </Menu.Dropdown>
@@ -160,6 +161,7 @@ export function Shell() {
           </div>
         </div>
       </header>
+      {question}
       <IdleWatch minutes={me.data.idle_minutes} />
       <main id="main" tabIndex={-1} ref={main}>
         {me.data.second_factor_since && <SecondFactorSet since={me.data.second_factor_since} />}

@@ -26,6 +26,8 @@ export function SignInPage() {
   const [asksCode, setAsksCode] = useState(false);
   useEffect(() => {
     document.title = `${t('signIn.title')} · ${t('product.name')}`;
+    // Also on a device whose patient never comes back.
+    import('../sensors/unsentHere').then(({ forgetOld }) => forgetOld()).catch(() => undefined);
   }, []);
   if (me.data) return <Navigate to={safeNext(search.get('next'))} replace />;
 

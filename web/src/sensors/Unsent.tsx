@@ -8,6 +8,7 @@ import { Confirm } from '../components/forms/Confirm';
 import { t } from '../i18n';
 import { BrowserGateway } from './gateway/browserGateway';
 import type { RecorderState } from './gateway/recorder';
+import { heldStoreKey } from './gateway/seal';
 import { PacketStore, type StoredNetwork } from './gateway/store';
 import { measuringFor } from './registry';
 import { refusalWords, secondsText } from './SensorStatus';
@@ -17,26 +18,40 @@ import { inTurn, isTurnElsewhere } from './turn';
 
 const LOOK_MS = 10_000;
 
+interface Left {
+  networks: StoredNetwork[];
+  /** Sessions that were sealed with a key which the service no longer has. */
+  unreadable: string[];
+}
+
+const NOTHING: Left = { networks: [], unreadable: [] };
+
 /**
  * The sessions that have packets here and are not measured at this moment; null while another window measures, which
  * would be cut off if this one sent for its session.
  */
-async function leftovers(accountId: string): Promise<StoredNetwork[] | null> {
-  if (typeof indexedDB === 'undefined') return [];
+async function leftovers(accountId: string): Promise<Left | null> {
+  if (typeof indexedDB === 'undefined') return NOTHING;
   if (await isTurnElsewhere()) return null;
-  const store = await PacketStore.open();
-  const found: StoredNetwork[] = [];
-  for (const network of await store.sessions(accountId)) {
-    if (measuringFor(network.sessionId)) continue;
-    if ((await store.count(network.sessionId)) > 0) found.push(network);
-    else await store.remove(network.sessionId);
+  const store = await PacketStore.open(heldStoreKey());
+  await store.removeOld();
+  const found: Left = { networks: [], unreadable: [] };
+  for (const sessionId of await store.sessions(accountId)) {
+    if (measuringFor(sessionId)) continue;
+    if ((await store.count(sessionId)) === 0) {
+      await store.remove(sessionId);
+      continue;
+    }
+    const network = await store.network(sessionId).catch(() => null);
+    if (network) found.networks.push(network);
+    else found.unreadable.push(sessionId);
   }
   store.close();
   return found;
 }
 
 async function forget(sessionId: string): Promise<void> {
-  const store = await PacketStore.open();
+  const store = await PacketStore.open('');
   await store.remove(sessionId);
   store.close();
 }
@@ -93,17 +108,31 @@ function Sending({
       <h2>{t('sensors.unsent')}</h2>
       <p role="status">{words(recorder, isOver)}</p>
       {status === 'refused' && !isOver && <p role="alert">{refusalWords(recorder.link)}</p>}
-      {isOver && (
-        <Confirm
-          label={t('sensors.unsentDelete')}
-          title={t('sensors.unsentDeleteTitle')}
-          text={t('sensors.unsentDeleteText')}
-          isGrave
-          confirm={t('sensors.unsentDelete')}
-          onConfirm={() => void forget(network.sessionId).then(onLook)}
-        />
-      )}
+      {isOver && <Delete sessionId={network.sessionId} onDeleted={onLook} />}
     </section>
+  );
+}
+
+function Unreadable({ sessionId, onLook }: { sessionId: string; onLook: () => void }) {
+  return (
+    <section className="card sensor-unsent">
+      <h2>{t('sensors.unsent')}</h2>
+      <p role="alert">{t('sensors.unsentUnreadable')}</p>
+      <Delete sessionId={sessionId} onDeleted={onLook} />
+    </section>
+  );
+}
+
+function Delete({ sessionId, onDeleted }: { sessionId: string; onDeleted: () => void }) {
+  return (
+    <Confirm
+      label={t('sensors.unsentDelete')}
+      title={t('sensors.unsentDeleteTitle')}
+      text={t('sensors.unsentDeleteText')}
+      isGrave
+      confirm={t('sensors.unsentDelete')}
+      onConfirm={() => void forget(sessionId).then(onDeleted)}
+    />
   );
 }
 
@@ -111,18 +140,18 @@ function Sending({
 export default function Unsent() {
   const me = useSignedIn();
   const [looks, setLooks] = useState(0);
-  const [left, setLeft] = useState<StoredNetwork[]>([]);
+  const [left, setLeft] = useState<Left>(NOTHING);
   const [isSent, setSent] = useState(false);
   const again = useRef<ReturnType<typeof setTimeout>>(undefined);
   const look = useCallback(() => {
     clearTimeout(again.current);
     leftovers(me.account_id).then(
       (found) => {
-        setLeft(found ?? []);
+        setLeft(found ?? NOTHING);
         if (found === null) again.current = setTimeout(() => setLooks((looks) => looks + 1), LOOK_MS);
       },
       // A browser that stores nothing has nothing left.
-      () => setLeft([]),
+      () => setLeft(NOTHING),
     );
   }, [me.account_id]);
   const sent = useCallback(() => {
@@ -136,11 +165,14 @@ export default function Unsent() {
   useEffect(registerShell, []);
   return (
     <>
-      {left.map((one) => (
+      {left.unreadable.map((one) => (
+        <Unreadable key={one} sessionId={one} onLook={look} />
+      ))}
+      {left.networks.map((one) => (
         <Sending key={one.sessionId} network={one} onSent={sent} onLook={look} />
       ))}
-      <div role="status" className={isSent && left.length === 0 ? undefined : 'visually-hidden'}>
-        {isSent && left.length === 0 && (
+      <div role="status" className={isSent && left.networks.length === 0 ? undefined : 'visually-hidden'}>
+        {isSent && left.networks.length === 0 && (
           <Notice icon={<IconCircleCheckFilled size={22} aria-hidden />}>{t('sensors.unsentSent')}</Notice>
         )}
       </div>

@@ -1,5 +1,6 @@
 // Before a session ends, all that any window of this device has measured for it is sent: windows ask each other.
 import { BrowserGateway } from './gateway/browserGateway';
+import { heldStoreKey } from './gateway/seal';
 import { PacketStore } from './gateway/store';
 import type { Measuring } from './registry';
 import { isTurnElsewhere } from './turn';
@@ -52,11 +53,13 @@ function askOthers(sessionId: string, withinMs: number): Promise<boolean | null>
 /** Send what lies on this device for a session that nobody measures for any more; says whether nothing is left. */
 async function sendStored(sessionId: string, withinMs: number): Promise<boolean> {
   if (typeof indexedDB === 'undefined') return true;
-  const store = await PacketStore.open();
-  const network = await store.network(sessionId);
+  const store = await PacketStore.open(heldStoreKey());
   const left = await store.count(sessionId);
+  const network = left === 0 ? undefined : await store.network(sessionId).catch(() => null);
   store.close();
-  if (!network || left === 0) return true;
+  if (left === 0 || network === undefined) return true;
+  // It was sealed with a key that nobody has.
+  if (network === null) return false;
   // A window that does not answer has it, and would be cut off.
   if (await isTurnElsewhere()) return false;
   const gateway = new BrowserGateway(network);

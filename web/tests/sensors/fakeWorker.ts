@@ -6,6 +6,9 @@ import { Recorder } from '../../src/sensors/gateway/recorder';
 import { PacketStore, type StoredNetwork } from '../../src/sensors/gateway/store';
 import type { FakeService } from './fakeService';
 
+/** Of the account `a` of `tests/pages/render.tsx`. */
+export const KEY = 'A'.repeat(43) + '=';
+
 export const NETWORK: StoredNetwork = {
   sessionId: 's',
   accountId: 'a',
@@ -31,7 +34,7 @@ export function workWith(service: FakeService) {
         else if (message.type === 'noTicket') this.#asked.get(message.number)?.reject(message.refusal);
         else if (message.type === 'close') void this.#recorder?.close();
       }
-      async #begin({ network, url }: Extract<ToWorker, { type: 'begin' }>) {
+      async #begin({ network, url, key }: Extract<ToWorker, { type: 'begin' }>) {
         const onState = () => {
           if (this.#recorder) this.onmessage?.({ data: { type: 'state', state: this.#recorder.state } });
         };
@@ -44,7 +47,7 @@ export function workWith(service: FakeService) {
             this.onmessage?.({ data: { type: 'ticket', number } });
           });
         };
-        const store = await PacketStore.open();
+        const store = await PacketStore.open(key);
         this.#recorder = new Recorder({ network, url, store, ticket, create, random: () => 0, onState });
         await this.#recorder.begin();
       }
@@ -53,8 +56,8 @@ export function workWith(service: FakeService) {
 }
 
 /** A window that is gone has left packets of a tenth of a second each. */
-export async function leavePackets(count: number, network: StoredNetwork = NETWORK): Promise<void> {
-  const store = await PacketStore.open();
+export async function leavePackets(count: number, network: StoredNetwork = NETWORK, key = KEY): Promise<void> {
+  const store = await PacketStore.open(key);
   await store.declare(network);
   for (let sequence = 0; sequence < count; sequence += 1) {
     const bytes = encodePacket({
@@ -73,7 +76,7 @@ export async function leavePackets(count: number, network: StoredNetwork = NETWO
 
 /** How many packets of a session are on the device. */
 export async function leftOf(sessionId = NETWORK.sessionId): Promise<number> {
-  const store = await PacketStore.open();
+  const store = await PacketStore.open('');
   const left = await store.count(sessionId);
   store.close();
   return left;

@@ -5,7 +5,7 @@ import type { Sample } from '../../src/sensors/gateway/grid';
 import { Recorder } from '../../src/sensors/gateway/recorder';
 import { PacketStore } from '../../src/sensors/gateway/store';
 import { FakeService } from './fakeService';
-import { NETWORK as network } from './fakeWorker';
+import { KEY, NETWORK as network } from './fakeWorker';
 
 const STEP_MS = 1000 / 60;
 const sample = (n: number): Sample => [Math.fround(Math.sin(n)), n, 0, 0, 0, 9.75];
@@ -22,7 +22,7 @@ beforeEach(() => {
 afterEach(() => clearInterval(beat));
 
 async function recorderOf(): Promise<{ recorder: Recorder; store: PacketStore }> {
-  const store = await PacketStore.open(factory);
+  const store = await PacketStore.open(KEY, factory);
   const recorder = new Recorder({
     url: '/ws/ingest',
     network,

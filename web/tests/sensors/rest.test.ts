@@ -4,8 +4,9 @@ import { IDBFactory } from 'fake-indexeddb';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { sendRest, setMeasuring, type Measuring } from '../../src/sensors/registry';
 import { answerOthers, sendRestElsewhere } from '../../src/sensors/rest';
+import { holdStoreKey } from '../../src/sensors/gateway/seal';
 import { FakeService } from './fakeService';
-import { leavePackets, leftOf, workWith } from './fakeWorker';
+import { KEY, leavePackets, leftOf, workWith } from './fakeWorker';
 
 let end: (() => void) | null = null;
 
@@ -16,6 +17,7 @@ function measures(settled: Measuring['settled'], sessionId = 's') {
 
 beforeEach(() => {
   vi.stubGlobal('indexedDB', new IDBFactory());
+  holdStoreKey(KEY);
 });
 afterEach(() => {
   end?.();

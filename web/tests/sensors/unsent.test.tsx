@@ -5,11 +5,12 @@ import userEvent from '@testing-library/user-event';
 import { IDBFactory } from 'fake-indexeddb';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { sentencesReady, speakLanguage } from '../../src/i18n/languages';
+import { holdStoreKey } from '../../src/sensors/gateway/seal';
 import { PacketStore } from '../../src/sensors/gateway/store';
 import Unsent from '../../src/sensors/Unsent';
 import { type Answers, renderPage } from '../pages/render';
 import { FakeService } from './fakeService';
-import { leavePackets, leftOf, NETWORK, workWith } from './fakeWorker';
+import { KEY, leavePackets, leftOf, NETWORK, workWith } from './fakeWorker';
 
 const HEADING = 'Not sent yet';
 const SENT = /has been sent to your clinic/;
@@ -28,6 +29,7 @@ beforeEach(() => {
   vi.stubGlobal('indexedDB', new IDBFactory());
   service = new FakeService();
   workWith(service);
+  holdStoreKey(KEY);
 });
 afterEach(async () => {
   Reflect.deleteProperty(navigator, 'locks');
@@ -69,7 +71,7 @@ it('shows nothing where nothing was left, and forgets what a session was', async
   await leavePackets(0);
   open();
   await vi.waitFor(async () => {
-    const store = await PacketStore.open();
+    const store = await PacketStore.open('');
     const left = await store.sessions(NETWORK.accountId);
     store.close();
     expect(left).toEqual([]);
@@ -211,4 +213,17 @@ it('says that what is left is not taken any more, and deletes it when asked', as
   expect(await leftOf()).toBe(0);
   // What was deleted was not sent.
   expect(screen.queryByText(SENT)).toBeNull();
+});
+
+it('says that what was sealed with a key of earlier cannot be sent, and deletes it when asked', async () => {
+  await leavePackets(10, NETWORK, 'B'.repeat(43) + '=');
+  open();
+  expect(await screen.findByText(/locked with a key that the service no longer has/)).toBeTruthy();
+  expect(service.sockets).toHaveLength(0);
+  expect(await leftOf()).toBe(10);
+  await userEvent.click(screen.getByRole('button', { name: 'Delete from this device' }));
+  const sure = await screen.findByRole('dialog');
+  await userEvent.click([...sure.querySelectorAll('button')].at(-1)!);
+  await waitFor(() => expect(screen.queryByRole('heading', { name: HEADING })).toBeNull());
+  expect(await leftOf()).toBe(0);
 });

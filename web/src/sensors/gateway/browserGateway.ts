@@ -5,6 +5,7 @@ import { words } from '../../i18n/sentence';
 import type { Sample } from './grid';
 import type { FromWorker, ToWorker } from './messages';
 import type { RecorderState } from './recorder';
+import { heldStoreKey } from './seal';
 import type { StoredNetwork } from './store';
 
 const PATH = '/ws/ingest';
@@ -39,7 +40,7 @@ export class BrowserGateway {
     this.#worker = new Worker(new URL('./gateway.worker.ts', import.meta.url), { type: 'module' });
     this.#worker.onmessage = (event: MessageEvent<FromWorker>) => this.#take(event.data);
     this.#worker.onerror = (event) => this.#say({ broken: event.message || 'worker' });
-    this.#post({ type: 'begin', network, url: socketUrl(PATH) });
+    this.#post({ type: 'begin', network, url: socketUrl(PATH), key: heldStoreKey() });
     addEventListener('pagehide', this.#flush);
     document.addEventListener('visibilitychange', this.#flush);
   }

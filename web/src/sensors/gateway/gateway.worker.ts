@@ -31,7 +31,7 @@ function changed(): void {
 async function take(message: ToWorker): Promise<void> {
   switch (message.type) {
     case 'begin': {
-      const store = await PacketStore.open();
+      const store = await PacketStore.open(message.key);
       recorder = new Recorder({ network: message.network, url: message.url, store, ticket, onState: changed });
       return recorder.begin();
     }

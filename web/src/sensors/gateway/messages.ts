@@ -5,7 +5,7 @@ import type { RecorderState } from './recorder';
 import type { StoredNetwork } from './store';
 
 export type ToWorker =
-  | { type: 'begin'; network: StoredNetwork; url: string }
+  | { type: 'begin'; network: StoredNetwork; url: string; key: string }
   | { type: 'sample'; sensor: number; timeMs: number; sample: Sample }
   | { type: 'leave'; sensor: number }
   | { type: 'flush' }

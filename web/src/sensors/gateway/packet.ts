@@ -44,7 +44,7 @@ function checksum(bytes: Uint8Array): number {
 }
 
 /** The bytes of one packet. */
-export function encodePacket(fields: PacketFields): Uint8Array {
+export function encodePacket(fields: PacketFields): Uint8Array<ArrayBuffer> {
   const { values } = fields;
   const isCounts = values instanceof Int16Array;
   const bytes = new Uint8Array(HEADER_BYTES + values.byteLength);

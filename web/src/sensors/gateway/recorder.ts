@@ -68,8 +68,8 @@ export class Recorder {
   /** Go on numbering after everything that was stored or sent before. */
   async begin(): Promise<void> {
     const { network, store } = this.#options;
-    const known = await store.network(network.sessionId);
-    this.#sequence = Math.max(known?.next ?? 0, (await store.highest(network.sessionId)) + 1);
+    const known = await store.next(network.sessionId);
+    this.#sequence = Math.max(known, (await store.highest(network.sessionId)) + 1);
     await store.declare({ ...network, next: this.#sequence });
     await this.#count();
     await this.#link.begin();
@@ -142,7 +142,7 @@ export class Recorder {
     this.#writing = this.#writing.then(() => this.#write(store, sequence, bytes));
   }
 
-  async #write(store: PacketStore, sequence: number, bytes: Uint8Array): Promise<void> {
+  async #write(store: PacketStore, sequence: number, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
     try {
       await store.put(this.#options.network.sessionId, sequence, bytes);
       this.#link.stored(sequence);

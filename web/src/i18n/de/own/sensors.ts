@@ -73,7 +73,9 @@ export const sensors: Translated<typeof english> = {
   'sensors.elsewhere': 'Sie messen in einem anderen Fenster',
   'sensors.elsewhereText': 'Machen Sie dort weiter. Wenn Sie es schließen, können Sie hier weitermachen.',
   'sensors.unsentOver':
-    'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Ihre Praxis nimmt es nicht mehr an. Es bleibt hier, bis Sie es löschen.',
+    'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert: {seconds}. Ihre Praxis nimmt es nicht mehr an. Nach vier Wochen wird es gelöscht, oder wenn Sie es hier löschen.',
+  'sensors.unsentUnreadable':
+    'Von einer früheren Übung ist auf diesem Gerät noch etwas gespeichert, verschlossen mit einem Schlüssel, den der Dienst nicht mehr hat. Es lässt sich nicht mehr senden. Sagen Sie es Ihrer Praxis, und machen Sie die Übung noch einmal.',
   'sensors.unsentDelete': 'Von diesem Gerät löschen',
   'sensors.unsentDeleteTitle': 'Nicht Gesendetes löschen?',
   'sensors.unsentDeleteText':

@@ -62,7 +62,9 @@ export const sensors = {
   'sensors.elsewhere': 'You are measuring in another window',
   'sensors.elsewhereText': 'Go on in that window. If you close it, you can go on here.',
   'sensors.unsentOver':
-    'Still on this device: {seconds} of movement from an earlier exercise. Your clinic does not take it any more. It stays here until you delete it.',
+    'Still on this device: {seconds} of movement from an earlier exercise. Your clinic does not take it any more. It is deleted after four weeks, or when you delete it here.',
+  'sensors.unsentUnreadable':
+    'Still on this device: movement from an earlier exercise, locked with a key that the service no longer has. It cannot be sent any more. Tell your clinic, and do the exercise again.',
   'sensors.unsentDelete': 'Delete from this device',
   'sensors.unsentDeleteTitle': 'Delete what was not sent?',
   'sensors.unsentDeleteText': 'This part of your movement is then gone. The rest, which your clinic has, stays.',
