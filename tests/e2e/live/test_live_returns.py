@@ -3,18 +3,16 @@
 import os
 import re
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect
 
-from app.demo.people import PASSWORD, THERAPIST
-from tests.e2e.conftest import CHROMIUM, FLAGS, ROOT, Service, Visitor, serving
-from tests.e2e.sensors.broken_link import Relay, relaying
+from app.demo.people import THERAPIST
+from tests.e2e.conftest import CHROMIUM, FLAGS, Service, Visitor
+from tests.e2e.sensors.broken_link import Relay
 from tests.e2e.test_live_truth import patient_of, recording_of
 from tests.patience import PATIENCE_MS
 
@@ -29,48 +27,18 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def relay() -> Iterator[Relay]:
-    with relaying() as one:
-        yield one
-
-
-@pytest.fixture
-def service(relay: Relay, tmp_path: Path) -> Iterator[Service]:
-    with serving(tmp_path, base_url=relay.address) as one:
-        relay.serve(one.address)
-        yield one
-
-
-@pytest.fixture
-def gateway(service: Service) -> Iterator[None]:
-    """Sensors that stream for some minutes, and not through the relay: they stand beside the service."""
-    words = ["-m", "app.cli", "simulate", "--movement", "drinking", "--repetitions", "90"]
-    process = subprocess.Popen(
-        [sys.executable, *words, "--server", service.address, "--patient", patient_of(service)],
-        cwd=ROOT,
-        env={**os.environ, "TELEMOTION_EMAIL": THERAPIST, "TELEMOTION_PASSWORD": PASSWORD},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    yield
-    process.kill()
-    process.wait()
-
-
-@pytest.fixture
-def page(relay: Relay, service: Service, gateway: None) -> Iterator[Page]:
+def page(chromium: Browser, relay: Relay, service: Service, gateway: None) -> Iterator[Page]:
     """The live page of a recording, in a browser of its own that a test may stop."""
     session_id = recording_of(service, patient_of(service))
-    expect.set_options(timeout=PATIENCE_MS)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        opened = browser.new_page(viewport={"width": 1440, "height": 900}, reduced_motion="reduce")
-        Visitor(opened, relay.address).sign_in(THERAPIST)
-        opened.goto(f"{relay.address}/sessions/{session_id}/live")
-        expect(elbow(opened)).to_contain_text(MEASURED)
-        drawn(opened, PATIENCE_MS)
-        yield opened
-        browser.close()
+    # Of the same driver: two drivers cannot run in one process.
+    browser = chromium.browser_type.launch(executable_path=CHROMIUM, args=FLAGS)
+    opened = browser.new_page(viewport={"width": 1440, "height": 900}, reduced_motion="reduce")
+    Visitor(opened, relay.address).sign_in(THERAPIST)
+    opened.goto(f"{relay.address}/sessions/{session_id}/live")
+    expect(elbow(opened)).to_contain_text(MEASURED)
+    drawn(opened, PATIENCE_MS)
+    yield opened
+    browser.close()
 
 
 def elbow(page: Page) -> Locator:

@@ -19,6 +19,7 @@ class Relay:
         self._pairs: set[tuple[socket.socket, socket.socket]] = set()
         self._is_broken = self._swallows = False
         self._refused = b""
+        self._lets_sockets_through = True
         self._dead: set[tuple[socket.socket, ...]] = set()
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
@@ -42,10 +43,15 @@ class Relay:
         """Cut every connection that asks for something that begins so, as if it did not come through."""
         self._refused = beginning
 
+    def refuse_sockets(self) -> None:
+        """Answer each handshake of a WebSocket with 403, as proxies of clinics do; HTTP passes."""
+        self._lets_sockets_through = False
+
     def mend(self) -> None:
         """Pass on again, over new connections: those that lost something on the way are dead."""
         dead = list(self._pairs) if self._swallows else []
         self._is_broken, self._swallows, self._refused = False, False, b""
+        self._lets_sockets_through = True
         self._dead.update(dead)
 
     def close(self) -> None:
@@ -74,6 +80,11 @@ class Relay:
             while data := source.recv(65536):
                 if self._refused and data.startswith(self._refused):
                     break
+                if not self._lets_sockets_through and _is_handshake(data):
+                    source.sendall(
+                        b"HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+                    )
+                    break
                 if self._swallows or pair in self._dead:
                     continue
                 sink.sendall(data)
@@ -85,6 +96,11 @@ class Relay:
             with contextlib.suppress(OSError):
                 one.shutdown(socket.SHUT_RDWR)
             one.close()
+
+
+def _is_handshake(data: bytes) -> bool:
+    """Whether these first bytes of a request ask for a WebSocket: a browser sends them in one piece."""
+    return data.startswith(b"GET ") and b"upgrade: websocket" in data.lower()
 
 
 @contextmanager
