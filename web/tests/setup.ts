@@ -13,6 +13,12 @@ window.matchMedia ??= (() => ({
 // A text area that grows asks for it; jsdom has none.
 if (!('fonts' in document)) Object.defineProperty(document, 'fonts', { value: new EventTarget() });
 
+// Pages ask once whether 3D can be drawn; jsdom draws nothing, and most tests are of browsers that can.
+const contextOf = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string) {
+  return kind === 'webgl2' ? { getExtension: () => null } : contextOf.call(this, kind as '2d');
+} as never;
+
 // Pages are drawn once their words have come.
 speakWith('en', words);
 

@@ -8,18 +8,20 @@ import type { CameraCommand, View, ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
+import { canDraw3D, whenLostForGood } from '../lib/browser/webgl';
 import type { Player } from '../player/types';
 import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
 
 // A patient who exercises does not turn the picture: her page loads no buttons for it.
 const CameraBar = lazy(() => import('./CameraBar'));
+const FlatFigure = lazy(() => import('../pictures/flat/FlatFigure'));
 
 export interface Viewer3DProps {
   sessionId: string;
   request: ViewIn;
   title: string;
-  /** Steers a replay; a live view steers itself. */
+  /** Steers a replay; a live view steers itself. Where nothing can be drawn in 3D, its frames are drawn flat. */
   player?: Player | null;
   ghost?: GhostChoice;
   isReady?: boolean;
@@ -42,7 +44,18 @@ const LEAST_LIFE_MS = 10_000;
 const isOutOfReach = (error: unknown) =>
   error instanceof ApiError && (error.status === 0 || error.status === 502 || error.status === 503);
 
-export function Viewer3D({
+/** The body in 3D, or flat where this browser cannot. */
+export function Viewer3D(props: Viewer3DProps) {
+  const [can, setCan] = useState(canDraw3D);
+  if (can) return <Solid {...props} onLost={() => setCan(false)} />;
+  return (
+    <Suspense fallback={<div className="viewer-box flat" />}>
+      {props.player && <FlatFigure player={props.player} title={props.title} isPlain={props.isPlain} />}
+    </Suspense>
+  );
+}
+
+function Solid({
   sessionId,
   request,
   title,
@@ -53,7 +66,8 @@ export function Viewer3D({
   near = 'arm',
   from,
   isPlain,
-}: Viewer3DProps) {
+  onLost,
+}: Viewer3DProps & { onLost: () => void }) {
   const scheme = useComputedColorScheme('light');
   const language = currentLanguage() === 'de' ? 'de' : 'en';
   const view = useQuery({
@@ -80,7 +94,7 @@ export function Viewer3D({
 
   useEffect(() => {
     if (!controlPath || (needsPlayer && !player)) return;
-    const opened = new ViewLink(controlPath, player);
+    const opened = new ViewLink(controlPath, needsPlayer ? player : null);
     setLink(opened);
     return () => {
       opened.close();
@@ -134,6 +148,7 @@ export function Viewer3D({
             allow="fullscreen"
             onLoad={(event) => {
               passKeysOn(event.currentTarget);
+              whenLostForGood(event.currentTarget, onLost);
               if (event.currentTarget.contentWindow) listenForUse(event.currentTarget.contentWindow);
             }}
           />

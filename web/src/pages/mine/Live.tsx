@@ -336,6 +336,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             request={LIVE}
             title={t('home.picture')}
             near={nearOf(session)}
+            player={player}
             onShown={setShown}
             from={records ? 'movement' : 'start'}
             isPlain

@@ -179,7 +179,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             )}
             {Start && isStarted && <Start {...shown} />}
             {isStarted && (
-              <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={nearOf(session)} />
+              <Viewer3D
+                sessionId={session.id}
+                request={LIVE}
+                title={t('viewer.liveTitle')}
+                near={nearOf(session)}
+                player={player}
+              />
             )}
             {Curves && isStarted && !isUnset && <Curves {...shown} />}
             {isUnset && (
