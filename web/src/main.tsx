@@ -23,6 +23,7 @@ import { wantedSignOut, type SignOutReason } from './api/signOut';
 import { router } from './App';
 import { SignedOutFirst } from './components/account/SignedOutFirst';
 import { isNotFetched } from './lib/browser/pieces';
+import { pruneDrafts } from './lib/editing/drafts';
 import { theme } from './theme';
 
 const queryClient = new QueryClient({
@@ -45,6 +46,8 @@ const queryClient = new QueryClient({
 queryClient.getQueryCache().config.onError = (error) => {
   if (error instanceof ApiError && error.status === 401) queryClient.setQueryData(keys.me, null);
 };
+
+pruneDrafts();
 
 const toSignIn = (reason: SignOutReason) =>
   void router.navigate(reason === 'idle' ? '/sign-in?ended=idle' : '/sign-in', { replace: true });

@@ -3,6 +3,7 @@ import { t } from '../i18n';
 import { sentencesReady } from '../i18n/languages';
 import { inOurWords } from '../i18n/sentence';
 import { idleSeconds } from '../lib/browser/idle';
+import { signInAgain } from './signInAgain';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {
@@ -46,14 +47,26 @@ async function send(path: string, init: RequestInit): Promise<Response> {
     response = await fetch(path, {
       credentials: 'same-origin',
       ...init,
-      headers: { ...idleHeader(), ...(init.headers as Record<string, string> | undefined) },
+      headers: {
+        ...idleHeader(),
+        // Of the sign-in that holds when it is sent: after signing in again it is another one.
+        ...(init.method ? { 'X-CSRF-Token': csrfToken } : {}),
+        ...(init.headers as Record<string, string> | undefined),
+      },
     });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     throw new ApiError(0, 'offline', t('link.unreachable'));
   }
-  if (!response.ok) throw await errorOf(response);
-  return response;
+  if (response.ok) return response;
+  const error = await errorOf(response);
+  const isChange = init.method !== undefined;
+  if (isSignInNeeded(error, path) && (await signInAgain(isChange))) return send(path, init);
+  throw error;
+}
+
+function isSignInNeeded(error: ApiError, path: string): boolean {
+  return error.status === 401 && error.code === 'sign_in_required' && !/^\/api\/sign-(in|out)$/.test(path);
 }
 
 /** An answer with its sentences in the reader's language; their words are fetched when the first of them arrives. */
@@ -74,10 +87,7 @@ function change(method: string) {
       await send(path, {
         method,
         signal,
-        headers: {
-          'X-CSRF-Token': csrfToken,
-          ...(body === undefined ? {} : { 'Content-Type': 'application/json' }),
-        },
+        headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
         body: body === undefined ? undefined : JSON.stringify(body),
       }),
     );

@@ -11,6 +11,8 @@ import {
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { speakLanguage, wanted } from '../i18n/languages';
+import { forgetDrafts, forgetDraftsOfOthers } from '../lib/editing/drafts';
+import { releaseAll } from '../lib/editing/unsaved';
 import { holdStoreKey } from '../sensors/gateway/seal';
 import { stopMeasuring } from '../sensors/registry';
 
@@ -63,7 +65,8 @@ export const keys = {
   job: (id: string) => ['jobs', id] as const,
 };
 
-async function accept(me: Wire.Me): Promise<Wire.Me> {
+/** Take over who has signed in: the token of changes, and the language. */
+export async function acceptMe(me: Wire.Me): Promise<Wire.Me> {
   setCsrfToken(me.csrf_token);
   holdStoreKey(me.store_key);
   await speakLanguage(wanted(me.locale));
@@ -75,7 +78,7 @@ export const meQuery = queryOptions({
   queryKey: keys.me,
   queryFn: async ({ signal }): Promise<Wire.Me | null> => {
     try {
-      return await accept(await api.get<Wire.Me>('/api/me', signal));
+      return await acceptMe(await api.get<Wire.Me>('/api/me', signal));
     } catch (error) {
       if (error instanceof ApiError && error.status === 401) return null;
       throw error;
@@ -89,18 +92,21 @@ export const useMe = () => useQuery(meQuery);
 export function useSignIn() {
   const client = useQueryClient();
   return useMutation({
-    mutationFn: async (request: Wire.SignInRequest) => accept(await api.post<Wire.Me>('/api/sign-in', request)),
+    mutationFn: async (request: Wire.SignInRequest) => acceptMe(await api.post<Wire.Me>('/api/sign-in', request)),
     onSuccess: (me) => {
       stopMeasuring();
+      forgetDraftsOfOthers(me.account_id);
       client.clear();
       client.setQueryData(keys.me, me);
     },
   });
 }
 
-/** After signing out nothing of the patient data may stay in memory. */
+/** After signing out nothing of the patient data may stay in memory or on this device. */
 export function forgetEverything(client: QueryClient): void {
   stopMeasuring();
+  releaseAll();
+  forgetDrafts();
   setCsrfToken('');
   holdStoreKey('');
   client.clear();

@@ -1,15 +1,20 @@
 // The frame around every page of a signed-in person: skip link, top bar, theme, sign-out.
 import { ActionIcon, Button, Menu, useComputedColorScheme, useMantineColorScheme } from '@mantine/core';
 import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-react';
-import { useEffect, useRef } from 'react';
+import { lazy, Suspense, useEffect, useRef, useState } from 'react';
 import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react-router';
 import { useMe } from '../api/queries';
+import { showSignInAgain } from '../api/signInAgain';
 import { t } from '../i18n';
+import { hasUnsaved } from '../lib/editing/unsaved';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
 import { SecondFactorRemoved } from './account/SecondFactorRemoved';
 import { SecondFactorSet } from './account/SecondFactorSet';
 import { useSignOut } from './account/useSignOut';
+
+const ConfirmDialog = lazy(() => import('./forms/ConfirmDialog'));
+const SignInAgain = lazy(() => import('./account/SignInAgain'));
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -45,7 +50,11 @@ export function Shell() {
   const location = useLocation();
   const main = useRef<HTMLElement>(null);
   const first = useRef(true);
-  const [signOut, question] = useSignOut(me.data?.account_id ?? '', me.data?.role === 'patient');
+  const [signOutNow, question] = useSignOut(me.data?.account_id ?? '', me.data?.role === 'patient');
+  const [again, setAgain] = useState<((isSame: boolean) => void) | null>(null);
+  const [asksSignOut, setAsksSignOut] = useState(false);
+  useEffect(() => showSignInAgain((done) => setAgain(() => done)), []);
+  const signOut = () => (hasUnsaved() ? setAsksSignOut(true) : signOutNow());
 
   // A new page: start at its top, and let a screen reader start there too.
   useEffect(() => {
@@ -162,6 +171,28 @@ export function Shell() {
         </div>
       </header>
       {question}
+      <Suspense fallback={null}>
+        {asksSignOut && (
+          <ConfirmDialog
+            isOpen
+            isGrave
+            title={t('unsaved.signOutTitle')}
+            text={t('unsaved.signOutText')}
+            confirm={t('unsaved.signOut')}
+            onConfirm={signOutNow}
+            onClose={() => setAsksSignOut(false)}
+          />
+        )}
+        {again && (
+          <SignInAgain
+            me={me.data}
+            onDone={(isSame) => {
+              again(isSame);
+              setAgain(null);
+            }}
+          />
+        )}
+      </Suspense>
       <IdleWatch minutes={me.data.idle_minutes} />
       <main id="main" tabIndex={-1} ref={main}>
         {me.data.second_factor_since && <SecondFactorSet since={me.data.second_factor_since} />}

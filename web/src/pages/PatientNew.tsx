@@ -14,7 +14,14 @@ export function PatientNewPage() {
           isSaving={add.isPending}
           error={add.error}
           onCancel={() => void navigate('/')}
-          onSave={(input) => add.mutate(input, { onSuccess: (patient) => void navigate(`/patients/${patient.id}`) })}
+          onSave={(input, saved) =>
+            add.mutate(input, {
+              onSuccess: (patient) => {
+                saved();
+                void navigate(`/patients/${patient.id}`);
+              },
+            })
+          }
         />
       </div>
     </Page>

@@ -1,11 +1,11 @@
-import { Button, PasswordInput, TextInput } from '@mantine/core';
-import { useEffect, useState, type FormEvent } from 'react';
+import { Button } from '@mantine/core';
+import { useEffect, type FormEvent } from 'react';
 import { Navigate, useSearchParams } from 'react-router';
-import { ApiError } from '../api/client';
 import { useMe, useSignIn } from '../api/queries';
 import { Notice, Problem } from '../components/Feedback';
 import { Wordmark } from '../components/Shell';
 import { LanguageChoice } from '../components/account/LanguageChoice';
+import { isCodeAsked, useSignInFields } from '../components/account/SignInFields';
 import { t } from '../i18n';
 
 /** Only a path of this client may follow the sign-in. */
@@ -13,17 +13,11 @@ function safeNext(next: string | null): string {
   return next && next.startsWith('/') && !next.startsWith('//') && !next.startsWith('/\\') ? next : '/';
 }
 
-/** The service asks for the code: no failure. */
-const isAsked = (error: Error) => error instanceof ApiError && error.code === 'code_required';
-
 export function SignInPage() {
   const me = useMe();
   const signIn = useSignIn();
   const [search] = useSearchParams();
-  const [email, setEmail] = useState('');
-  const [password, setPassword] = useState('');
-  const [code, setCode] = useState('');
-  const [asksCode, setAsksCode] = useState(false);
+  const { request, fields, onError } = useSignInFields();
   useEffect(() => {
     document.title = `${t('signIn.title')} · ${t('product.name')}`;
     // Also on a device whose patient never comes back.
@@ -33,10 +27,7 @@ export function SignInPage() {
 
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    const onError = (error: Error) => {
-      if (error instanceof ApiError && error.code === 'code_required') setAsksCode(true);
-    };
-    signIn.mutate({ email, password, code: asksCode && code ? code : null }, { onError });
+    signIn.mutate(request, { onError });
   };
   return (
     <main className="sign-in">
@@ -78,40 +69,8 @@ export function SignInPage() {
               <p role="status">{t('signIn.endedIdle')}</p>
             </Notice>
           )}
-          {signIn.error && !isAsked(signIn.error) && <Problem error={signIn.error} />}
-          <TextInput
-            label={t('signIn.email')}
-            type="email"
-            autoComplete="username"
-            required
-            withAsterisk={false}
-            size="lg"
-            value={email}
-            onChange={(event) => setEmail(event.currentTarget.value)}
-          />
-          <PasswordInput
-            label={t('signIn.password')}
-            autoComplete="current-password"
-            required
-            withAsterisk={false}
-            size="lg"
-            value={password}
-            onChange={(event) => setPassword(event.currentTarget.value)}
-            visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }}
-          />
-          {asksCode && (
-            <TextInput
-              label={t('second.code')}
-              description={t('second.codeHelp')}
-              autoComplete="one-time-code"
-              required
-              withAsterisk={false}
-              size="lg"
-              maxLength={40}
-              value={code}
-              onChange={(event) => setCode(event.currentTarget.value)}
-            />
-          )}
+          {signIn.error && !isCodeAsked(signIn.error) && <Problem error={signIn.error} />}
+          {fields}
           <Button type="submit" size="lg" loading={signIn.isPending}>
             {t('action.signIn')}
           </Button>

@@ -5,11 +5,13 @@ import { ApiError } from '../../api/client';
 import type { BodyDimensions, Patient, PatientIn, Side } from '../../api/types';
 import { t } from '../../i18n';
 import { bodyLength } from '../../lib/format';
+import { isSame } from '../../lib/editing/merge';
 import { birthError } from '../../lib/dates';
 import { readLengthCm } from '../../lib/lengths';
 import { DateField, isDateOrEmpty } from './DateField';
 import { SideChoice } from './Choice';
 import { Problem } from '../Feedback';
+import { useUnsaved } from './useUnsaved';
 
 const LENGTHS = ['stature_m', 'upper_arm_m', 'forearm_m', 'hand_m', 'shoulder_width_m', 'trunk_m'] as const;
 type Length = (typeof LENGTHS)[number];
@@ -27,27 +29,52 @@ export interface PatientFormProps {
   patient?: Patient;
   isSaving: boolean;
   error: unknown;
-  onSave: (input: PatientIn) => void;
+  /** `saved` is called before the form is left: what was typed is then no longer held on this device. */
+  onSave: (input: PatientIn, saved: () => void) => void;
   onCancel: () => void;
+}
+
+/** What is typed, as it is typed. */
+interface Texts {
+  given: string;
+  family: string;
+  birth: string;
+  side: Side | '';
+  notes: string;
+  lengths: Record<Length, string>;
+}
+
+function textsOf(patient: Patient | undefined): Texts {
+  const lengths = Object.fromEntries(
+    LENGTHS.map((name) => {
+      const metres = patient?.body_dimensions?.[name];
+      return [name, metres === null || metres === undefined ? '' : String(Math.round(metres * 1000) / 10)];
+    }),
+  ) as Record<Length, string>;
+  return {
+    given: patient?.given_name ?? '',
+    family: patient?.family_name ?? '',
+    birth: patient?.birth_date ?? '',
+    side: patient?.affected_side ?? '',
+    notes: patient?.notes ?? '',
+    lengths,
+  };
 }
 
 /** A new patient or a change: names, side, and lengths in cm as a tape shows them; of a new one also the consent to treatment. */
 export function PatientForm({ patient, isSaving, error, onSave, onCancel }: PatientFormProps) {
-  const [given, setGiven] = useState(patient?.given_name ?? '');
-  const [family, setFamily] = useState(patient?.family_name ?? '');
-  const [birth, setBirth] = useState(patient?.birth_date ?? '');
-  const [side, setSide] = useState<Side | ''>(patient?.affected_side ?? '');
-  const [notes, setNotes] = useState(patient?.notes ?? '');
+  const [start] = useState(() => textsOf(patient));
+  const [texts, setTexts] = useState(start);
+  const set = (some: Partial<Texts>) => setTexts((now) => ({ ...now, ...some }));
+  const { given, family, birth, side, notes, lengths } = texts;
   const [agrees, setAgrees] = useState(false);
-  const [lengths, setLengths] = useState<Record<Length, string>>(
-    () =>
-      Object.fromEntries(
-        LENGTHS.map((name) => {
-          const metres = patient?.body_dimensions?.[name];
-          return [name, metres === null || metres === undefined ? '' : String(Math.round(metres * 1000) / 10)];
-        }),
-      ) as Record<Length, string>,
-  );
+  // The consent is no part of it: it is said anew.
+  const { guard, release } = useUnsaved({
+    object: `patient:${patient?.id ?? 'new'}`,
+    value: texts,
+    isChanged: !isSame(texts, start),
+    onRestore: setTexts,
+  });
   const outOfRange = (name: Length) => {
     const value = readLengthCm(lengths[name]);
     const [low, high] = RANGES_CM[name];
@@ -71,7 +98,7 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
       const cm = readLengthCm(lengths[name]);
       body[name] = cm === null ? null : cm / 100;
     }
-    onSave({
+    const input: PatientIn = {
       given_name: given.trim(),
       family_name: family.trim(),
       birth_date: birth || null,
@@ -79,10 +106,12 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
       notes,
       body_dimensions: body,
       ...(patient ? {} : { agrees_to_treatment: agrees, is_another_person: isAnother }),
-    });
+    };
+    onSave(input, release);
   };
   return (
     <form className="stack" onSubmit={submit}>
+      {guard}
       {error ? <Problem error={error} /> : null}
       {twin && (
         <Group>
@@ -100,18 +129,28 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
           error={hasTried && !hasName ? t('patient.oneName') : null}
           maxLength={100}
           value={given}
-          onChange={(event) => setGiven(event.currentTarget.value)}
+          onChange={(event) => set({ given: event.currentTarget.value })}
           data-autofocus
         />
         <TextInput
           label={t('patient.familyName')}
           maxLength={100}
           value={family}
-          onChange={(event) => setFamily(event.currentTarget.value)}
+          onChange={(event) => set({ family: event.currentTarget.value })}
         />
       </SimpleGrid>
-      <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} problem={birthProblem} />
-      <SideChoice legend={t('patient.affectedSide')} value={side} onChange={setSide} allowNone />
+      <DateField
+        label={t('patient.birthDate')}
+        value={birth}
+        onChange={(value) => set({ birth: value })}
+        problem={birthProblem}
+      />
+      <SideChoice
+        legend={t('patient.affectedSide')}
+        value={side}
+        onChange={(value) => set({ side: value })}
+        allowNone
+      />
       <fieldset className="fieldset">
         <legend>{t('patient.dimensions')}</legend>
         <p className="muted small">{t('patient.dimensionsHelp')}</p>
@@ -126,7 +165,7 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
               error={outOfRange(name)}
               description={understood(name)}
               inputWrapperOrder={['label', 'input', 'description', 'error']}
-              onChange={(event) => setLengths({ ...lengths, [name]: event.currentTarget.value })}
+              onChange={(event) => set({ lengths: { ...lengths, [name]: event.currentTarget.value } })}
             />
           ))}
         </SimpleGrid>
@@ -137,7 +176,7 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         minRows={3}
         maxLength={4000}
         value={notes}
-        onChange={(event) => setNotes(event.currentTarget.value)}
+        onChange={(event) => set({ notes: event.currentTarget.value })}
       />
       {!patient && (
         <Checkbox
@@ -149,7 +188,13 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         />
       )}
       <Group justify="flex-end">
-        <Button variant="default" onClick={onCancel}>
+        <Button
+          variant="default"
+          onClick={() => {
+            release();
+            onCancel();
+          }}
+        >
           {t('action.cancel')}
         </Button>
         <Button type="submit" loading={isSaving}>

@@ -113,7 +113,14 @@ function Loaded({ patient }: { patient: Patient }) {
           isSaving={edit.isPending}
           error={edit.error}
           onCancel={editing.close}
-          onSave={(input) => edit.mutate(input, { onSuccess: editing.close })}
+          onSave={(input, saved) =>
+            edit.mutate(input, {
+              onSuccess: () => {
+                saved();
+                editing.close();
+              },
+            })
+          }
         />
       </Modal>
     </>

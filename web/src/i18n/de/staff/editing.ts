@@ -34,4 +34,23 @@ export const editing: Translated<typeof english> = {
   'meanwhile.minutes': '{minutes} min',
   'meanwhile.schedule': 'Tage und Zeiten',
   'meanwhile.perWeek': '{count} × pro Woche',
+  'unsaved.title': 'Ohne Speichern verlassen?',
+  'unsaved.text':
+    'Ihre Änderungen sind nicht gespeichert. Sie bleiben bis zum Abmelden auf diesem Gerät und werden Ihnen angeboten, wenn Sie zurückkommen.',
+  'unsaved.stay': 'Hier bleiben',
+  'unsaved.leave': 'Verlassen, später weiter',
+  'unsaved.discardAndLeave': 'Verwerfen und verlassen',
+  'unsaved.offer': 'Sie haben hier etwas geändert und nicht gespeichert ({when}).',
+  'unsaved.restore': 'Damit weitermachen',
+  'unsaved.discard': 'Verwerfen',
+  'unsaved.signOutTitle': 'Abmelden ohne zu speichern?',
+  'unsaved.signOutText':
+    'Ihre Eingaben auf dieser Seite sind nicht gespeichert. Beim Abmelden werden sie von diesem Gerät entfernt.',
+  'unsaved.signOut': 'Verwerfen und abmelden',
+
+  'signIn.againTitle': 'Erneut anmelden',
+  'signIn.againText':
+    'Ihre Anmeldung ist abgelaufen. Ihre Eingaben sind noch hier; nach der Anmeldung geht das Speichern weiter. Ein anderes Konto sieht sie nicht.',
+  'signIn.againLeave': 'Seite verlassen',
+  'signIn.againGo': 'Anmelden und weiter',
 };

@@ -31,4 +31,23 @@ export const editing = {
   'meanwhile.minutes': '{minutes} min',
   'meanwhile.schedule': 'Days and times',
   'meanwhile.perWeek': '{count} times a week',
+  'unsaved.title': 'Leave without saving?',
+  'unsaved.text':
+    'Your changes are not saved. They stay on this device until you sign out, and are offered when you come back.',
+  'unsaved.stay': 'Stay here',
+  'unsaved.leave': 'Leave, go on later',
+  'unsaved.discardAndLeave': 'Discard and leave',
+  'unsaved.offer': 'You began to change this and did not save it ({when}).',
+  'unsaved.restore': 'Continue with it',
+  'unsaved.discard': 'Discard it',
+  'unsaved.signOutTitle': 'Sign out without saving?',
+  'unsaved.signOutText':
+    'What you entered on this page is not saved. It is removed from this device when you sign out.',
+  'unsaved.signOut': 'Discard and sign out',
+
+  'signIn.againTitle': 'Sign in again',
+  'signIn.againText':
+    'Your sign-in has ended. What you entered is still here; after you sign in, saving goes on. Another account does not see it.',
+  'signIn.againLeave': 'Leave the page',
+  'signIn.againGo': 'Sign in and continue',
 } as const;

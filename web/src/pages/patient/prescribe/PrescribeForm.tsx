@@ -12,9 +12,11 @@ import {
 } from '../../../api/queries';
 import type { Patient, Prescription, TemplateVersionDetail } from '../../../api/types';
 import { DateField, isDateOrEmpty } from '../../../components/forms/DateField';
+import { useUnsaved } from '../../../components/forms/useUnsaved';
 import { Notice, Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { brokenBy } from '../../../lib/assessment/limits';
+import { isSame } from '../../../lib/editing/merge';
 import { isWalk, exerciseOf } from '../../../lib/exercises';
 import { MergePrescription } from './MergePrescription';
 import { Limits, Schedule } from './Parts';
@@ -43,6 +45,21 @@ export function PrescribeForm({
   const [values, setValues] = useState(() => valuesOf(prescription));
   const set = (some: Partial<typeof values>) => setValues((now) => ({ ...now, ...some }));
   const { exerciseId, templateId, repetitions, sets, schedule, percent, stops, question, endsAt } = values;
+  const isChanged = !isSame(values, valuesOf(base));
+  const { guard, release } = useUnsaved({
+    object: `prescription:${patient.id}:${prescription?.id ?? 'new'}`,
+    // With the state that it changes: a change that somebody saved meanwhile is found when this is saved.
+    value: { values, base },
+    isChanged,
+    onRestore: (stored) => {
+      setBase(stored.base);
+      setValues(stored.values);
+    },
+  });
+  const done = () => {
+    release();
+    onDone();
+  };
   const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
   const prescribe = usePrescribe(patient.id);
   const change = useChangePrescription(patient.id);
@@ -58,14 +75,15 @@ export function PrescribeForm({
     event.preventDefault();
     if (!exerciseId || !isDateOrEmpty(endsAt)) return;
     const wanted = wantedOf(values, chosen, isWalked, base);
-    if (base) change.mutate({ prescriptionId: base.id, number: base.number ?? 1, ...wanted }, { onSuccess: onDone });
-    else prescribe.mutate({ exercise_id: exerciseId, ...wanted }, { onSuccess: onDone });
+    if (base) change.mutate({ prescriptionId: base.id, number: base.number ?? 1, ...wanted }, { onSuccess: done });
+    else prescribe.mutate({ exercise_id: exerciseId, ...wanted }, { onSuccess: done });
   };
   const isRefused = isChangedMeanwhile(change.error);
   const stored = present.data?.find((one) => one.id === base?.id);
   const newest = isRefused && base && stored && (stored.number ?? 1) > (base.number ?? 1) ? stored : undefined;
   return (
     <form className="stack" onSubmit={submit}>
+      {guard}
       {(prescribe.error ?? change.error) && !newest && <Problem error={prescribe.error ?? change.error} />}
       {exercises.error && <Problem error={exercises.error} />}
       <Select
@@ -184,7 +202,7 @@ export function PrescribeForm({
       )}
       {isJoined && !newest && <Notice>{t('meanwhile.taken')}</Notice>}
       <Group justify="flex-end">
-        <Button variant="default" onClick={onDone}>
+        <Button variant="default" onClick={done}>
           {t('action.cancel')}
         </Button>
         <Button

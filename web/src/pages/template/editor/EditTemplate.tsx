@@ -1,12 +1,13 @@
 // A template as an instrument: the therapist draws what matters on the recorded curves, and saves it as the next version.
 import { Button, Group, Textarea } from '@mantine/core';
-import { useEffect, useMemo, useState } from 'react';
+import { useMemo, useState } from 'react';
 import { useNavigate, useParams } from 'react-router';
 import { LegendRow, LegendStroke } from '../../../charts/Legend';
 import { ApiError } from '../../../api/client';
 import { useDrawVersion, useTemplateVersion } from '../../../api/queries';
 import type { TemplateVersionDetail } from '../../../api/types';
 import { Answer, Notice, Problem } from '../../../components/Feedback';
+import { useUnsaved } from '../../../components/forms/useUnsaved';
 import { Page } from '../../../components/Page';
 import { t } from '../../../i18n';
 import {
@@ -159,18 +160,22 @@ function Editor({
   const save = useDrawVersion(version.template_id);
   const newestId = newerThan(save.error);
   const isChanged = JSON.stringify(designOf(draft)) !== JSON.stringify(designOf(start));
-  useEffect(() => {
-    if (!isChanged) return;
-    const ask = (event: BeforeUnloadEvent) => event.preventDefault();
-    window.addEventListener('beforeunload', ask);
-    return () => window.removeEventListener('beforeunload', ask);
-  }, [isChanged]);
+  const { guard, release } = useUnsaved({
+    object: `template-version:${opened.id}`,
+    value: { draft, reason },
+    isChanged: isChanged || reason.trim() !== '',
+    onRestore: (stored) => {
+      setDraft(stored.draft);
+      setReason(stored.reason);
+    },
+  });
   const { curves, repetitions } = version.content;
   const left = useMemo(() => new Set(repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [repetitions]);
   const isBroken = draft.stops.some((one) => brokenBy(one, curves, left));
   const angles = pickCurves(curves, true, version.primary_channel).filter((one) => !one.channel.includes('.'));
   return (
     <div className="stack">
+      {guard}
       <p className="muted">
         {t('design.basedOn', { number: version.number, date: date(version.created_at), by: version.made_by })}
         {version.reason && ` · ${version.reason}`}
@@ -202,7 +207,15 @@ function Editor({
         aria-labelledby="save"
         onSubmit={(event) => {
           event.preventDefault();
-          save.mutate({ based_on: version.id, design: designOf(draft), reason: reason.trim() }, { onSuccess: onSaved });
+          save.mutate(
+            { based_on: version.id, design: designOf(draft), reason: reason.trim() },
+            {
+              onSuccess: (made) => {
+                release();
+                onSaved(made);
+              },
+            },
+          );
         }}
       >
         <h2 id="save">{t('design.saveTitle')}</h2>

@@ -1,0 +1,81 @@
+// Signing in again over a page whose sign-in has ended: the page stays as it is and cannot be read meanwhile.
+import { Button, Group, Modal } from '@mantine/core';
+import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { api } from '../../api/client';
+import { acceptMe, keys } from '../../api/queries';
+import type { Me, SignInRequest } from '../../api/types';
+import { t } from '../../i18n';
+import { forgetDrafts } from '../../lib/editing/drafts';
+import { releaseAll } from '../../lib/editing/unsaved';
+import { Problem } from '../Feedback';
+import { isCodeAsked, useSignInFields } from './SignInFields';
+
+export default function SignInAgain({
+  me,
+  onDone,
+  startAnew = () => window.location.replace('/'),
+}: {
+  /** Who was signed in. */
+  me: Me;
+  /** Called with whether it is the same account again. */
+  onDone: (isSame: boolean) => void;
+  /** Load everything anew for another account: nothing of the first one's stays in memory. */
+  startAnew?: () => void;
+}) {
+  const client = useQueryClient();
+  const { request, fields, onError } = useSignInFields(me.email);
+  const signIn = useMutation({
+    mutationFn: (wanted: SignInRequest) => api.post<Me>('/api/sign-in', wanted),
+    onSuccess: async (now) => {
+      if (now.account_id !== me.account_id) {
+        releaseAll();
+        forgetDrafts();
+        onDone(false);
+        client.clear();
+        startAnew();
+        return;
+      }
+      client.setQueryData(keys.me, await acceptMe(now));
+      onDone(true);
+    },
+    onError,
+  });
+  const leave = () => {
+    onDone(false);
+    client.setQueryData(keys.me, null);
+  };
+  return (
+    <Modal
+      opened
+      onClose={() => undefined}
+      withCloseButton={false}
+      closeOnEscape={false}
+      closeOnClickOutside={false}
+      zIndex={400}
+      title={t('signIn.againTitle')}
+      overlayProps={{ backgroundOpacity: 0.75, blur: 14 }}
+    >
+      <form
+        className="stack"
+        onSubmit={(event) => {
+          event.preventDefault();
+          // In a dialog of a form, React passes it on to that form too.
+          event.stopPropagation();
+          signIn.mutate(request);
+        }}
+      >
+        <p>{t('signIn.againText')}</p>
+        {signIn.error && !isCodeAsked(signIn.error) && <Problem error={signIn.error} />}
+        {fields}
+        <Group justify="flex-end">
+          <Button variant="default" onClick={leave}>
+            {t('signIn.againLeave')}
+          </Button>
+          <Button type="submit" loading={signIn.isPending}>
+            {t('signIn.againGo')}
+          </Button>
+        </Group>
+      </form>
+    </Modal>
+  );
+}

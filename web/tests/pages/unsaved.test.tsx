@@ -1,0 +1,197 @@
+// What is typed and not saved: asked for before leaving, offered on coming back, gone after saving and signing out.
+import { MantineProvider } from '@mantine/core';
+import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
+import { act, fireEvent, render, screen, waitFor } from '@testing-library/react';
+import userEvent from '@testing-library/user-event';
+import { createMemoryRouter, RouterProvider } from 'react-router';
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { setCsrfToken } from '../../src/api/client';
+import { forgetEverything, keys } from '../../src/api/queries';
+import { Shell } from '../../src/components/Shell';
+import { pruneDrafts, readDraft, writeDraft } from '../../src/lib/editing/drafts';
+import { hasUnsaved, releaseAll } from '../../src/lib/editing/unsaved';
+import { PatientNewPage } from '../../src/pages/PatientNew';
+import { renderPage, THERAPIST } from './render';
+
+beforeEach(() => {
+  sessionStorage.clear();
+  localStorage.clear();
+});
+afterEach(() => {
+  releaseAll();
+  vi.unstubAllGlobals();
+});
+
+const drafts = () => Object.keys(sessionStorage).filter((key) => key.startsWith('telemotion.draft.'));
+const open = () =>
+  renderPage(<PatientNewPage />, {
+    at: '/patients/new',
+    path: '/patients/new',
+    answers: { 'POST /api/patients': [201, { id: 'p' }] },
+  });
+const type = (label: string, value: string) =>
+  fireEvent.change(screen.getByRole('textbox', { name: label }), { target: { value } });
+
+it('asks before leaving, and offers what was typed on coming back', async () => {
+  const view = open();
+  type('Family name', 'Berg');
+  type('Notes', 'left shoulder');
+  await act(() => view.router.navigate('/'));
+  await userEvent.click(await screen.findByRole('button', { name: 'Stay here' }));
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name' }).value).toBe('Berg');
+  await act(() => view.router.navigate('/elsewhere'));
+  await userEvent.click(await screen.findByRole('button', { name: 'Leave, go on later' }));
+  expect(await screen.findByText('elsewhere')).toBeTruthy();
+  expect(drafts()).toHaveLength(1);
+
+  await act(() => view.router.navigate('/patients/new'));
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name' }).value).toBe('');
+  expect(screen.getByText(/^You began to change this and did not save it/)).toBeTruthy();
+  await userEvent.click(screen.getByRole('button', { name: 'Continue with it' }));
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name' }).value).toBe('Berg');
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Notes' }).value).toBe('left shoulder');
+  expect(screen.getByRole<HTMLInputElement>('checkbox').checked, 'a consent is said anew').toBe(false);
+  await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+  // Saved: nobody is asked, and nothing stays.
+  expect(await screen.findByText('elsewhere')).toBeTruthy();
+  await new Promise((written) => setTimeout(written, 400));
+  expect(drafts(), 'nor is it written afterwards').toEqual([]);
+});
+
+it('keeps nothing of what is discarded or undone by hand', async () => {
+  const view = open();
+  type('Family name', 'Berg');
+  await waitFor(() => expect(drafts()).toHaveLength(1));
+  type('Family name', '');
+  await waitFor(() => expect(drafts()).toEqual([]));
+  expect(hasUnsaved()).toBe(false);
+  await act(() => view.router.navigate('/elsewhere'));
+  expect(screen.getByText('elsewhere')).toBeTruthy();
+
+  await act(() => view.router.navigate('/patients/new'));
+  type('Family name', 'Berg');
+  await act(() => view.router.navigate('/elsewhere'));
+  await userEvent.click(await screen.findByRole('button', { name: 'Discard and leave' }));
+  expect(await screen.findByText('elsewhere')).toBeTruthy();
+  expect(drafts()).toEqual([]);
+});
+
+it('asks before the tab is closed only while something is not saved', () => {
+  open();
+  const closing = () => {
+    const event = new Event('beforeunload', { cancelable: true });
+    window.dispatchEvent(event);
+    return event.defaultPrevented;
+  };
+  expect(closing()).toBe(false);
+  type('Family name', 'Berg');
+  expect(closing()).toBe(true);
+});
+
+it('leaves nothing on the device after a sign-out, in a tab that is opened again either', () => {
+  open();
+  type('Family name', 'Berg');
+  window.dispatchEvent(new Event('pagehide'));
+  expect(drafts()).toHaveLength(1);
+  const stored = { ...sessionStorage } as Record<string, string>;
+  forgetEverything(new QueryClient());
+  expect(drafts()).toEqual([]);
+  window.dispatchEvent(new Event('pagehide'));
+  expect(drafts(), 'nor is it written again').toEqual([]);
+  // A browser that opens a closed tab again brings its storage back.
+  for (const [key, value] of Object.entries(stored)) sessionStorage.setItem(key, value);
+  expect(readDraft(THERAPIST.account_id, 'patient:new')).toBeNull();
+  pruneDrafts();
+  expect(drafts()).toEqual([]);
+});
+
+it('shows nobody the draft of another account', () => {
+  writeDraft('another', 'patient:new', { family: 'Berg' });
+  open();
+  expect(screen.queryByText(/^You began to change this/)).toBeNull();
+});
+
+const ENDED = { code: 'sign_in_required', message: 'Sign in again to continue.', details: {} };
+
+/** The whole frame around a form whose sign-in has ended; `account` signs in over it. */
+async function endedOver(account: string) {
+  let isEnded = true;
+  const asked: string[] = [];
+  vi.stubGlobal('fetch', (path: string, init: RequestInit = {}) => {
+    const what = `${init.method ?? 'GET'} ${path}`;
+    asked.push(`${what} ${new Headers(init.headers).get('X-CSRF-Token') ?? ''}`.trim());
+    if (what === 'POST /api/sign-in') {
+      isEnded = false;
+      return Promise.resolve(Response.json({ ...THERAPIST, account_id: account, csrf_token: 'second' }));
+    }
+    if (isEnded) return Promise.resolve(Response.json(ENDED, { status: 401 }));
+    const now = { ...THERAPIST, account_id: account, csrf_token: 'second' };
+    return Promise.resolve(path === '/api/me' ? Response.json(now) : Response.json({ id: 'p' }, { status: 201 }));
+  });
+  const frozen = { addEventListener: () => undefined, removeEventListener: () => undefined };
+  vi.stubGlobal('matchMedia', () => ({
+    matches: false,
+    ...frozen,
+    addListener: () => undefined,
+    removeListener: () => undefined,
+  }));
+  vi.spyOn(window, 'scrollTo').mockImplementation(() => undefined);
+  const client = new QueryClient({ defaultOptions: { queries: { retry: false } } });
+  client.setQueryData(keys.me, THERAPIST);
+  setCsrfToken('first');
+  const router = createMemoryRouter(
+    [
+      {
+        path: '/',
+        element: <Shell />,
+        children: [
+          { path: 'patients/new', element: <PatientNewPage /> },
+          { path: '*', element: <p>elsewhere</p> },
+        ],
+      },
+      { path: '/sign-in', element: <p>the page of the sign-in</p> },
+    ],
+    { initialEntries: ['/patients/new'] },
+  );
+  render(
+    <MantineProvider env="test">
+      <QueryClientProvider client={client}>
+        <RouterProvider router={router} />
+      </QueryClientProvider>
+    </MantineProvider>,
+  );
+  type('Family name', 'Berg');
+  fireEvent.click(screen.getByRole('button', { name: 'Save' }));
+  const dialog = await screen.findByRole('dialog', { name: 'Sign in again' });
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name', hidden: true }).value).toBe('Berg');
+  return { asked, dialog, router };
+}
+
+it('signs in over a form, which stays, and goes on with the save', async () => {
+  const { asked, router } = await endedOver(THERAPIST.account_id);
+  fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'mine' } });
+  await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
+  await waitFor(() => expect(router.state.location.pathname).toBe('/patients/p'));
+  expect(asked.filter((one) => one.startsWith('POST'))).toEqual([
+    'POST /api/patients first',
+    'POST /api/sign-in first',
+    'POST /api/patients second',
+  ]);
+});
+
+it('saves nothing in the name of another account, which gets neither form nor draft', async () => {
+  const { asked } = await endedOver('another');
+  fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'hers' } });
+  await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
+  await waitFor(() => expect(hasUnsaved()).toBe(false));
+  await new Promise((done) => setTimeout(done, 50));
+  expect(asked.filter((one) => one.startsWith('POST /api/patients'))).toEqual(['POST /api/patients first']);
+  window.dispatchEvent(new Event('pagehide'));
+  expect(drafts()).toEqual([]);
+});
+
+it('leads to the page of the sign-in when somebody leaves the form there', async () => {
+  const { router } = await endedOver(THERAPIST.account_id);
+  await userEvent.click(screen.getByRole('button', { name: 'Leave the page' }));
+  await waitFor(() => expect(router.state.location.pathname).toBe('/sign-in'));
+});
