@@ -4,6 +4,7 @@ import { Traces, type TemplateAt } from '../charts/Traces';
 import { ChannelPicker } from '../components/forms/ChannelPicker';
 import { t } from '../i18n';
 import { preferredAngles } from '../lib/channels';
+import { useSnapshot } from '../player/hooks';
 import type { LiveProps } from './kind';
 
 export interface JointCurvesProps extends LiveProps {
@@ -37,6 +38,9 @@ export function JointCurves({
       ),
     [chosen, angles, exercise],
   );
+  // The band stands where the patient is along the template: at the goal, or in a pause, she is nowhere along it.
+  const { guidance } = useSnapshot(player);
+  const isFollowed = guidance !== null && FOLLOWED.includes(guidance.status);
   const shown = useMemo(() => [...always, ...channels], [always, channels]);
   return (
     <section className="card" aria-labelledby={id}>
@@ -51,7 +55,11 @@ export function JointCurves({
       )}
       {templateAt && shown.length > 0 && (
         <div className="curves-legend">
-          <PhaseLegend withOutside={false} patient />
+          {isFollowed ? (
+            <PhaseLegend withOutside={false} patient />
+          ) : (
+            <p className="muted small">{t('traces.notFollowed')}</p>
+          )}
         </div>
       )}
       {shown.length > 0 ? (
@@ -69,3 +77,4 @@ export function JointCurves({
 }
 
 const NONE: readonly string[] = [];
+const FOLLOWED: readonly string[] = ['waiting', 'ready', 'moving'];

@@ -1,8 +1,30 @@
-import type { CalibrationIn, CalibrationMessage, Placement } from '../api/types';
+import type { CalibrationIn, CalibrationMessage, Placement, SessionEvent } from '../api/types';
 
 /** Whether a guided calibration is under way. */
 export function isRunning({ phase }: CalibrationMessage): boolean {
   return phase === 'collecting' || phase === 'evaluating';
+}
+
+const UNCHECKED = 'calibration.not_checked';
+
+/** Whether the only word on a calibration is that no movement has checked it. */
+export function isUnchecked({ kind, sentences }: Pick<SessionEvent, 'kind' | 'sentences'>): boolean {
+  const said = sentences?.text;
+  return kind === 'calibration' && !!said && !Array.isArray(said) && said.code === UNCHECKED;
+}
+
+/** The reasons of a calibration without that no movement has checked it, and whether that was among them. */
+export function reasonsOf(of: Pick<CalibrationMessage, 'reasons' | 'sentences'>): {
+  isUnchecked: boolean;
+  reasons: string[];
+} {
+  const said = of.sentences?.reasons;
+  const all = of.reasons ?? [];
+  const codes = all.map((_, at) => {
+    const one = Array.isArray(said) ? said[at] : undefined;
+    return typeof one === 'object' ? one.code : '';
+  });
+  return { isUnchecked: codes.includes(UNCHECKED), reasons: all.filter((_, at) => codes[at] !== UNCHECKED) };
 }
 
 export type Limb = NonNullable<CalibrationIn['limbs']>[number];

@@ -16,13 +16,28 @@ export interface CalibrationPanelProps {
   guide: CalibrationMessage | null;
   hint: string;
   mayAct: boolean;
-  /** Whether the choice stays open although a calibration is in force. */
-  isAsked: boolean;
+  /** What of it stands on the page. */
+  shows: Shows;
   /** Nothing is in force yet: the choice is shown without being asked for. */
   isNeeded: boolean;
   /** How the sensors sit is remembered from an earlier session; only the directions are missing. */
   isRemembered?: boolean;
+  /** A result was read. */
+  onRead: (result: CalibrationMessage) => void;
   onClose: () => void;
+}
+
+type Shows = 'running' | 'result' | 'choice';
+
+/** What stands on the page: a calibration that runs, a result that nobody has read, or the choice where it is wanted. */
+export function panelOf(
+  guide: CalibrationMessage | null,
+  read: CalibrationMessage | null,
+  isWanted: boolean,
+): Shows | null {
+  if (guide && isRunning(guide)) return 'running';
+  if (guide && guide !== read && (guide.phase === 'done' || guide.phase === 'redo')) return 'result';
+  return isWanted ? 'choice' : null;
 }
 
 export function CalibrationPanel({
@@ -31,16 +46,15 @@ export function CalibrationPanel({
   guide,
   hint,
   mayAct,
-  isAsked,
+  shows,
   isNeeded,
   isRemembered,
+  onRead,
   onClose,
 }: CalibrationPanelProps) {
   const guides = useCalibrations(guide !== null);
   const { start, next, cancel, error } = useCalibrating(sessionId);
   const [last, setLast] = useState<CalibrationIn | null>(null);
-  // A result that was read is put away; the next message of a running calibration brings the guide back.
-  const [read, setRead] = useState<CalibrationMessage | null>(null);
   const begin = (wanted: CalibrationIn) => {
     setLast(wanted);
     next.reset();
@@ -50,11 +64,10 @@ export function CalibrationPanel({
   const title = guides.data?.find((one) => one.kind === guide?.kind)?.title ?? '';
   // All limbs at once, the first time: whichever way the patient faces, unlike the correction of one limb.
   const isFirstHeading = guide?.kind === 'heading_reset' && (isRemembered ?? false);
-  const hasResult = guide !== null && (guide.phase === 'done' || guide.phase === 'redo') && guide !== read;
   return (
     <>
       {error && <Problem error={error} />}
-      {guide && isRunning(guide) ? (
+      {guide && shows === 'running' ? (
         <RunningCalibration
           guide={guide}
           placements={placements}
@@ -65,29 +78,27 @@ export function CalibrationPanel({
           onNext={() => next.mutate()}
           onCancel={() => cancel.mutate()}
         />
-      ) : hasResult ? (
+      ) : guide && shows === 'result' ? (
         <CalibrationResult
           guide={guide}
           mayAct={mayAct}
           isBusy={start.isPending}
           onAgain={() => begin(last?.kind === guide.kind ? last : { kind: guide.kind })}
           onClose={() => {
-            setRead(guide);
+            onRead(guide);
             if (guide.phase === 'done') onClose();
           }}
         />
       ) : (
-        (isNeeded || isAsked) && (
-          <CalibrationChoice
-            placements={placements}
-            hint={hint}
-            isRemembered={isRemembered}
-            mayAct={mayAct}
-            isBusy={start.isPending}
-            onStart={begin}
-            onClose={isNeeded ? undefined : onClose}
-          />
-        )
+        <CalibrationChoice
+          placements={placements}
+          hint={hint}
+          isRemembered={isRemembered}
+          mayAct={mayAct}
+          isBusy={start.isPending}
+          onStart={begin}
+          onClose={isNeeded ? undefined : onClose}
+        />
       )}
     </>
   );

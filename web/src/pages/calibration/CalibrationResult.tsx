@@ -5,6 +5,7 @@ import { Fragment } from 'react';
 import type { CalibrationMessage } from '../../api/types';
 import { FindingFigure } from '../../components/Figures';
 import { t, tOr } from '../../i18n';
+import { reasonsOf } from '../../lib/calibration';
 import { placementLabel } from '../../lib/channels';
 import { number, spreadAlone } from '../../lib/format';
 import { scoreText } from '../session/live/Calibration';
@@ -69,6 +70,7 @@ export function CalibrationResult({
   const isHeading = guide.kind === 'heading_reset';
   const findings = guide.findings ?? [];
   const axes = guide.axes ?? [];
+  const { isUnchecked, reasons } = reasonsOf(guide);
   const fields = guide.fields ?? [];
   const toRedo = guide.steps.filter((step) => guide.redo_steps?.includes(step.key));
   const Icon = isDone ? IconCircleCheck : IconAlertTriangle;
@@ -83,7 +85,11 @@ export function CalibrationResult({
         <div role="status">
           <h2 id="guide-result" className="result-head">
             <Icon size={26} aria-hidden />
-            {!isDone ? t('guide.redo') : isHeading ? t('calibration.directionsSet') : scoreText(guide.score ?? 0)}
+            {!isDone
+              ? t('guide.redo')
+              : isHeading
+                ? t('calibration.directionsSet')
+                : scoreText(guide.score ?? 0, isUnchecked)}
           </h2>
         </div>
         {isDone && (guide.kind === 'n_pose' || guide.kind === 't_pose') && (
@@ -94,7 +100,7 @@ export function CalibrationResult({
             {finding.text}
           </p>
         ))}
-        {(guide.reasons ?? []).map((reason) => (
+        {(isDone ? reasons : (guide.reasons ?? [])).map((reason) => (
           <p key={reason}>{reason}</p>
         ))}
         {toRedo.length > 0 && <p>{t('guide.redoSteps', { steps: toRedo.map((step) => step.title).join(', ') })}</p>}

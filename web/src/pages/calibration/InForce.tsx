@@ -3,7 +3,7 @@ import { Button, Group } from '@mantine/core';
 import type { Calibration, Placement } from '../../api/types';
 import { Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
-import { wornLimbs } from '../../lib/calibration';
+import { reasonsOf, wornLimbs } from '../../lib/calibration';
 import { scoreText } from '../session/live/Calibration';
 import { useCalibrating } from './useCalibrating';
 
@@ -19,6 +19,7 @@ export function InForce({
   onAgain: () => void;
 }) {
   const { start, error } = useCalibrating(sessionId);
+  const { isUnchecked, reasons } = reasonsOf(calibration);
   return (
     <section className="card in-force" aria-labelledby="in-force">
       <div>
@@ -28,7 +29,10 @@ export function InForce({
             {t('calibration.again')}
           </Button>
         </div>
-        <p>{scoreText(calibration.score)}</p>
+        <p>{scoreText(calibration.score, isUnchecked)}</p>
+        {reasons.map((reason) => (
+          <p key={reason}>{reason}</p>
+        ))}
         <p className="muted small">
           {tOr(`calibration.method.${calibration.method}`, calibration.method.replaceAll('_', ' '))}.{' '}
           {t('calibration.inForce')}

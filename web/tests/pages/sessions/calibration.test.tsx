@@ -1,9 +1,10 @@
+import { useState } from 'react';
 import { screen } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { CalibrationGuide, CalibrationMessage } from '../../../src/api/types';
 import { wornLimbs } from '../../../src/lib/calibration';
-import { CalibrationPanel } from '../../../src/pages/calibration/CalibrationPanel';
+import { CalibrationPanel, panelOf, type CalibrationPanelProps } from '../../../src/pages/calibration/CalibrationPanel';
 import { onDisc } from '../../../src/pictures/CoverageSphere';
 import { renderPage } from '../render';
 
@@ -37,15 +38,21 @@ const message = (change: Partial<CalibrationMessage>): CalibrationMessage => ({
   ...change,
 });
 
+/** The panel as the live page holds it: it goes when its result was read and nothing else is wanted. */
+function Panel(props: Omit<CalibrationPanelProps, 'shows' | 'onRead'>) {
+  const [read, setRead] = useState<CalibrationMessage | null>(null);
+  const shows = panelOf(props.guide, read, props.isNeeded);
+  return shows && <CalibrationPanel {...props} shows={shows} onRead={setRead} />;
+}
+
 const show = (now: CalibrationMessage | null, isNeeded = true) =>
   renderPage(
-    <CalibrationPanel
+    <Panel
       sessionId="s"
       placements={['upper_arm_right', 'forearm_right']}
       guide={now}
       hint=""
       mayAct
-      isAsked={false}
       isNeeded={isNeeded}
       onClose={() => undefined}
     />,
@@ -66,13 +73,12 @@ describe('guided calibration', () => {
   });
   it('asks for the directions first where the mounting is remembered', async () => {
     const { asked } = renderPage(
-      <CalibrationPanel
+      <Panel
         sessionId="s"
         placements={['upper_arm_right']}
         guide={null}
         hint=""
         mayAct
-        isAsked={false}
         isNeeded
         isRemembered
         onClose={() => undefined}
@@ -97,13 +103,12 @@ describe('guided calibration', () => {
     ];
     const panel = (now: CalibrationMessage, isRemembered: boolean) =>
       renderPage(
-        <CalibrationPanel
+        <Panel
           sessionId="s"
           placements={['upper_arm_right']}
           guide={now}
           hint=""
           mayAct
-          isAsked={false}
           isNeeded
           isRemembered={isRemembered}
           onClose={() => undefined}

@@ -22,6 +22,7 @@ export const calibration: Translated<typeof english> = {
   'calibration.good': 'Gute Kalibrierung ({score} von 100)',
   'calibration.fair': 'Brauchbare Kalibrierung ({score} von 100)',
   'calibration.poor': 'Schlechte Kalibrierung ({score} von 100): bitte wiederholen',
+  'calibration.heldOnly': 'Haltung gut gehalten ({score} von 100), noch nicht durch eine Bewegung geprüft',
   'calibration.scoreMeans':
     'Die Punkte sagen, wie ruhig und wie stimmig die Haltung war. Mehr als 90 erfordert eine Kalibrierung durch Bewegung, die die Haltung prüft.',
   'calibration.inForce': 'Wenn ein Sensor verrutscht ist, kalibrieren Sie vor dem Aufzeichnen neu.',

@@ -83,6 +83,9 @@ export const session: Translated<typeof english> = {
 
   'health.title': 'Sensoren',
   'health.good': 'Gut',
+  'health.allGood': { one: '{count} Sensor gut', other: '{count} Sensoren gut' },
+  'health.line': '{places}: {trouble}',
+  'health.more': { one: 'und ein weiterer', other: 'und {count} weitere' },
   'health.waiting': 'Wartet',
   'health.unknown': 'Im Moment nicht bekannt',
   'health.lost': 'Signal verloren',
@@ -117,6 +120,8 @@ export const session: Translated<typeof english> = {
   'live.closeTitle': 'Diese Sitzung beenden?',
   'live.closeText':
     'Die Sensoren werden getrennt, und alles Aufgezeichnete wird ausgewertet und verglichen. In dieser Sitzung können Sie nicht weiter aufzeichnen.',
+  'live.repetitions': { one: 'Wiederholung', other: 'Wiederholungen' },
+  'live.repetitionsGoal': '{count} von {goal} heute',
   'live.events': 'Ereignisse',
   'live.noCurvesYet': 'Gelenkkurven beginnen, sobald die Richtungen gesetzt sind.',
   'live.noCurvesBefore': 'Gelenkkurven beginnen nach der Kalibrierung.',
@@ -187,6 +192,8 @@ export const session: Translated<typeof english> = {
   'traces.none': 'Noch keine Gelenkwinkel. Sie erscheinen nach der Kalibrierung.',
   'traces.angle': 'Winkel',
   'traces.now': 'Jetzt',
+  'traces.notFollowed':
+    'Im Moment wird keine Wiederholung verfolgt: Die Kurve ist ohne den Bereich der Vorlage gezeichnet.',
   'traces.lowest': 'Kleinster gezeigter',
   'traces.highest': 'Größter gezeigter',
   'chart.asTable': 'Als Tabelle zeigen',

@@ -19,6 +19,7 @@ export const calibration = {
   'calibration.good': 'Good calibration ({score} of 100)',
   'calibration.fair': 'Usable calibration ({score} of 100)',
   'calibration.poor': 'Poor calibration ({score} of 100): repeat it',
+  'calibration.heldOnly': 'Pose held well ({score} of 100), not checked by a movement yet',
   'calibration.scoreMeans':
     'The score says how still and how consistent the pose was. More than 90 needs a calibration by movement, which checks the pose.',
   'calibration.inForce': 'If a sensor slipped, calibrate again before you record.',

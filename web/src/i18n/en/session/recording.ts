@@ -79,6 +79,9 @@ export const session = {
 
   'health.title': 'Sensors',
   'health.good': 'Good',
+  'health.allGood': { one: '{count} sensor good', other: '{count} sensors good' },
+  'health.line': '{places}: {trouble}',
+  'health.more': { one: 'and one more', other: 'and {count} more' },
   'health.waiting': 'Waiting',
   'health.unknown': 'Not known at the moment',
   'health.lost': 'Signal lost',
@@ -113,6 +116,8 @@ export const session = {
   'live.closeTitle': 'End this session?',
   'live.closeText':
     'The sensors are disconnected, and everything recorded is analysed and compared. You cannot continue recording in this session.',
+  'live.repetitions': { one: 'repetition', other: 'repetitions' },
+  'live.repetitionsGoal': '{count} of {goal} today',
   'live.events': 'Events',
   'live.noCurvesYet': 'Curves of the joints begin once the directions are set.',
   'live.noCurvesBefore': 'Curves of the joints begin after the calibration.',
@@ -182,6 +187,7 @@ export const session = {
   'traces.none': 'No joint angles yet. They appear after calibration.',
   'traces.angle': 'Angle',
   'traces.now': 'Now',
+  'traces.notFollowed': 'No repetition is followed at the moment: the curve is drawn without the band of the template.',
   'traces.lowest': 'Lowest shown',
   'traces.highest': 'Highest shown',
   'chart.asTable': 'Show as a table',

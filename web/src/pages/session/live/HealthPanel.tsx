@@ -81,6 +81,34 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
   );
 }
 
+/** What needs a hand, beside the delay: the cards of the sensors stand below the picture. */
+export function SensorLine({ health }: { health: HealthMessage | null }) {
+  if (!health) return null;
+  const wrong = health.sensors
+    .map((one) => ({ place: one.placement, list: troubles(one) }))
+    .filter((one) => one.list.length);
+  const urgent = wrong.filter((one) => one.list.some((trouble) => trouble.isUrgent));
+  const said = urgent.length ? urgent : wrong;
+  const first = said[0]?.list[0];
+  if (!first)
+    return (
+      <span className="live-sensors muted">
+        <IconCheck size={17} aria-hidden /> {t('health.allGood', { count: health.sensors.length })}
+      </span>
+    );
+  const same = said.filter((one) => one.list[0]?.text === first.text);
+  const places =
+    same.length === health.sensors.length && same.length > 1
+      ? t('health.all')
+      : placementList(same.map((one) => one.place));
+  return (
+    <a href="#health" className={first.isUrgent ? 'live-sensors alert-text' : 'live-sensors strong'}>
+      <first.Icon size={17} aria-hidden /> {t('health.line', { places, trouble: first.text })}
+      {said.length > same.length && ` ${t('health.more', { count: said.length - same.length })}`}
+    </a>
+  );
+}
+
 export function HealthPanel({
   health: reported,
   placements,

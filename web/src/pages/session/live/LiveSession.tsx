@@ -1,9 +1,9 @@
-// A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
+// A session while it happens: the body and its curves side by side, sensors below; count and delay always in view.
 import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useParams } from 'react-router';
 import { keys, useExercises, usePatient, useSession } from '../../../api/queries';
-import type { SessionDetail, SessionEvent, SessionState } from '../../../api/types';
+import type { CalibrationMessage, SessionDetail, SessionEvent, SessionState } from '../../../api/types';
 import { Answer, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { Viewer3D } from '../../../components/Viewer3D';
@@ -15,20 +15,22 @@ import { partsOf } from '../../../kinds/parts';
 import type { LiveProps } from '../../../kinds/kind';
 import { fullName, patientCrumbs } from '../../../lib/people';
 import { wornPlacements } from '../../../lib/placements';
+import { isUnchecked } from '../../../lib/calibration';
 import { eventText } from '../../../lib/events';
 import { number, position } from '../../../lib/format';
 import { massChannels } from '../../../lib/assessment/massCentre';
 import { sessionTitle } from '../../../lib/sessions';
 import { useLivePlayer, useSnapshot } from '../../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../../player/live';
-import { CalibrationPanel } from '../../calibration/CalibrationPanel';
+import { CalibrationPanel, panelOf } from '../../calibration/CalibrationPanel';
 import { InForce } from '../../calibration/InForce';
 import { AnalysisWait } from '../AnalysisWait';
 import { ConnectHelp } from './ConnectHelp';
-import { HealthPanel } from './HealthPanel';
+import { HealthPanel, SensorLine } from './HealthPanel';
 import { LiveBanners } from './LiveBanners';
 import { LiveButtons } from './LiveButtons';
 import { NotStored } from './NotStored';
+import { Repetitions } from './Repetitions';
 import { StateSteps, stepOf } from './StateSteps';
 
 const LIVE = { mode: 'live' } as const;
@@ -54,7 +56,11 @@ function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
 }
 
 function Happened({ events }: { events: readonly SessionEvent[] }) {
-  const newest = [...events].reverse().slice(0, 8);
+  // How the calibration came out is said in its own card.
+  const newest = events
+    .filter((one) => !isUnchecked(one))
+    .reverse()
+    .slice(0, 8);
   return (
     <section className="card" aria-labelledby="happened">
       <div className="card-head">
@@ -114,12 +120,15 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
   // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
   const [isAsked, setAsked] = useState(false);
+  // A result that was read is put away; the next message of a running calibration brings the guide back.
+  const [read, setRead] = useState<CalibrationMessage | null>(null);
   const calibration = message ? message.calibration : session.calibration;
   const kind = kindOf(session);
   const { First, Guide, Start, Curves, Side } = partsOf(session).live;
   const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
   const isUnset = state === 'calibrating' && kind.needsPose;
   const mayCalibrate = kind.needsPose && (state === 'calibrating' || state === 'ready');
+  const panel = mayCalibrate ? panelOf(snapshot.calibration, read, isAsked || state === 'calibrating') : null;
   const shown: LiveProps = {
     session,
     player,
@@ -135,7 +144,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     <>
       <div className="live-head">
         <StateSteps step={step.current} />
-        {!isOver && <Delay snapshot={snapshot} />}
+        {!isOver && (
+          <div className="live-now">
+            <Repetitions guidance={snapshot.guidance} isKnown={isOpen} />
+            <SensorLine health={isOpen ? snapshot.health : null} />
+            <Delay snapshot={snapshot} />
+          </div>
+        )}
       </div>
       {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} known={session} />}
       {snapshot.connection === 'open' && !isOver && <NotStored health={snapshot.health} />}
@@ -156,29 +171,30 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {isOver ? (
         <Happened events={snapshot.events.length ? snapshot.events : session.events} />
       ) : (
-        <div className="live-grid">
-          <div className="stack">
-            {First && <First {...shown} />}
-            {state === 'created' && <ConnectHelp session={session} />}
-            {mayCalibrate && (
-              <CalibrationPanel
-                sessionId={session.id}
-                placements={wornPlacements(session)}
-                guide={snapshot.calibration}
-                hint={message?.calibration_hint ?? ''}
-                mayAct={mayRecord}
-                isAsked={isAsked}
-                isNeeded={state === 'calibrating'}
-                isRemembered={calibration?.needs_headings ?? false}
-                onClose={() => setAsked(false)}
-              />
-            )}
-            {Guide && isStarted && <Guide {...shown} />}
-            {isStarted && mayRecord && (
-              <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={kind.isGuided} />
-            )}
-            {Start && isStarted && <Start {...shown} />}
-            {isStarted && (
+        <div className="stack">
+          {First && <First {...shown} />}
+          {state === 'created' && <ConnectHelp session={session} />}
+          {panel && (
+            <CalibrationPanel
+              sessionId={session.id}
+              placements={wornPlacements(session)}
+              guide={snapshot.calibration}
+              shows={panel}
+              hint={message?.calibration_hint ?? ''}
+              mayAct={mayRecord}
+              isNeeded={state === 'calibrating'}
+              isRemembered={calibration?.needs_headings ?? false}
+              onRead={setRead}
+              onClose={() => setAsked(false)}
+            />
+          )}
+          {Guide && isStarted && <Guide {...shown} />}
+          {isStarted && mayRecord && (
+            <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={kind.isGuided} />
+          )}
+          {Start && isStarted && <Start {...shown} />}
+          {isStarted && (
+            <div className="live-grid">
               <Viewer3D
                 sessionId={session.id}
                 request={LIVE}
@@ -186,28 +202,30 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
                 near={nearOf(session)}
                 player={player}
               />
-            )}
-            {Curves && isStarted && !isUnset && <Curves {...shown} />}
-            {isUnset && (
-              <section className="card">
-                <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
-              </section>
-            )}
-          </div>
-          <div className="stack">
-            {mass.length > 0 && !isUnset && snapshot.columns && isStarted && (
-              <section className="card" aria-labelledby="mass">
-                <h2 id="mass">{t('mass.title')}</h2>
-                <Traces player={player} channels={mass} />
-              </section>
-            )}
-            {Side && isStarted && <Side {...shown} />}
+              <div className="stack">
+                {Curves && !isUnset && <Curves {...shown} />}
+                {isUnset && (
+                  <section className="card">
+                    <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
+                  </section>
+                )}
+                {mass.length > 0 && !isUnset && snapshot.columns && (
+                  <section className="card" aria-labelledby="mass">
+                    <h2 id="mass">{t('mass.title')}</h2>
+                    <Traces player={player} channels={mass} />
+                  </section>
+                )}
+                {Side && <Side {...shown} />}
+              </div>
+            </div>
+          )}
+          <div className="live-below">
             <HealthPanel
               health={snapshot.health}
               placements={wornPlacements(session)}
               isOutOfReach={snapshot.connection === 'lost'}
             />
-            {state === 'ready' && kind.needsPose && calibration && mayRecord && (
+            {state === 'ready' && kind.needsPose && calibration && mayRecord && !panel && (
               <InForce
                 sessionId={session.id}
                 calibration={calibration}

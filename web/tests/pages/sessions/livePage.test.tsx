@@ -1,0 +1,105 @@
+import { screen } from '@testing-library/react';
+import { expect, it, vi } from 'vitest';
+import type { Calibration, GuidanceMessage, HealthMessage, SensorHealth, SessionEvent } from '../../../src/api/types';
+import { JointCurves } from '../../../src/kinds/JointCurves';
+import type { LiveProps } from '../../../src/kinds/kind';
+import { isUnchecked } from '../../../src/lib/calibration';
+import { InForce } from '../../../src/pages/calibration/InForce';
+import { SensorLine } from '../../../src/pages/session/live/HealthPanel';
+import { Repetitions } from '../../../src/pages/session/live/Repetitions';
+import { renderPage } from '../render';
+
+// jsdom draws no canvas.
+vi.mock('../../../src/charts/Plot', async (original) => ({
+  ...(await original<typeof import('../../../src/charts/Plot')>()),
+  Plot: () => null,
+}));
+
+const guidance = (change: Partial<GuidanceMessage>) =>
+  ({ status: 'moving', cause: '', counts: { valid: 4, partial: 1 }, goal: 6, before: 1, ...change }) as GuidanceMessage;
+
+it('counts large for the therapist, and states no number that is not of now', () => {
+  const shown = renderPage(<Repetitions guidance={guidance({})} isKnown />, { answers: {} });
+  expect(screen.getByTestId('repetitions').textContent).toBe('4');
+  expect(screen.getByText(/5 of 6 today/).textContent).toContain('1 ');
+  shown.unmount();
+  const lost = renderPage(<Repetitions guidance={guidance({})} isKnown={false} />, { answers: {} });
+  expect(screen.getByTestId('repetitions').textContent).toBe('–');
+  expect(screen.queryByText(/of 6/)).toBeNull();
+  lost.unmount();
+  renderPage(<Repetitions guidance={guidance({ status: 'off' })} isKnown />, { answers: {} });
+  expect(screen.queryByTestId('repetitions')).toBeNull();
+});
+
+const sensor = (placement: string, change: Partial<SensorHealth> = {}): SensorHealth => ({
+  placement,
+  status: 'ok',
+  loss_percent: 0,
+  jitter_ms: 0,
+  saturated: false,
+  magnetic_disturbance: false,
+  heading_trusted: true,
+  ...change,
+});
+const health = (...sensors: SensorHealth[]) => ({ sensors }) as HealthMessage;
+
+it.each([
+  [[sensor('sternum'), sensor('hand_left')], '2 sensors good'],
+  [[sensor('sternum'), sensor('hand_left', { magnetic_disturbance: true })], 'Left hand: '],
+  // A lost sensor comes before iron that several meet.
+  [
+    [
+      sensor('sternum', { magnetic_disturbance: true }),
+      sensor('forearm_left', { magnetic_disturbance: true }),
+      sensor('hand_left', { status: 'lost' }),
+    ],
+    'Left hand: ',
+  ],
+  [[sensor('sternum', { status: 'lost' }), sensor('hand_left', { status: 'lost' })], 'All sensors: '],
+])('says beside the delay what a sensor needs', (sensors, text) => {
+  renderPage(<SensorLine health={health(...sensors)} />, { answers: {} });
+  expect(document.querySelector('.live-sensors')?.textContent?.toLowerCase()).toContain(text.toLowerCase());
+  expect(document.querySelector('.alert-text') !== null).toBe(sensors.some((one) => one.status === 'lost'));
+});
+
+const NOT_CHECKED = { code: 'calibration.not_checked', params: {}, text: 'Not checked by a movement yet: only ...' };
+const calibration: Calibration = {
+  method: 'n_pose',
+  score: 0.9,
+  reasons: [NOT_CHECKED.text, 'The left arm hung.'],
+  sentences: { reasons: [NOT_CHECKED, 'The left arm hung.'] },
+};
+
+it('says once that a pose alone is not checked, and calls it no good calibration', () => {
+  renderPage(
+    <InForce sessionId="s" calibration={calibration} placements={['upper_arm_left']} onAgain={() => undefined} />,
+    { answers: {} },
+  );
+  expect(screen.getAllByText(/not checked by a movement/i)).toHaveLength(1);
+  expect(screen.queryByText(/Good calibration/)).toBeNull();
+  expect(screen.getByText('The left arm hung.')).toBeTruthy();
+  const event = (text: unknown, kind = 'calibration') => ({ kind, sentences: { text } }) as unknown as SessionEvent;
+  expect(isUnchecked(event(NOT_CHECKED))).toBe(true);
+  expect(isUnchecked(event({ ...NOT_CHECKED, code: 'calibration.poor' }))).toBe(false);
+});
+
+it('shows the legend of the template only while its band is drawn', () => {
+  const curves = (status: GuidanceMessage['status']) => {
+    const snapshot = { connection: 'open', capabilities: { isLive: true }, isPlaying: true, guidance: { status } };
+    const player = {
+      getSnapshot: () => snapshot,
+      subscribe: () => () => undefined,
+      clock: () => ({ timeS: 0, startS: 0, endS: 0 }),
+      read: () => ({ timeS: new Float64Array(0), values: [], isComplete: true }),
+    };
+    const layout = { angles: ['humerus_forearm_left_zxy_flexion'], segments: [], points: [], scalars: [] };
+    const props = { session: { layout }, player, columns: null, exercise: null } as unknown as LiveProps;
+    return renderPage(<JointCurves {...props} id="a" title="Angles" templateAt={() => null} />, { answers: {} });
+  };
+  const moving = curves('moving');
+  expect(screen.getByText(/^Template/)).toBeTruthy();
+  moving.unmount();
+  curves('paused');
+  expect(screen.queryByText(/^Template/)).toBeNull();
+  expect(screen.getByText(/No repetition is followed/)).toBeTruthy();
+});
