@@ -12,16 +12,27 @@ from sqlalchemy.orm import Session
 from app.accounts.audit_reading import read_audit
 from app.accounts.consents import list_consents
 from app.accounts.device_tokens import list_device_tokens
+from app.accounts.models import Account
 from app.accounts.subject import Subject
 from app.assessment import comparisons
 from app.assessment.course.report import notes_of
 from app.assessment.design import shown
 from app.assessment.exports.movement import reading, write_movement
+from app.assessment.exports.spreadsheet import (
+    Sheet,
+    files_of,
+    has_decimal_comma,
+    measures_sheet,
+    strides_sheet,
+)
 from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
 from app.assessment.progress import progress
+from app.errors import Conflict, NotFound
 from app.exercises.models import Template, TemplateVersion
 from app.kinds.magnetic.safety import EVENT, WITHDRAWN
+from app.kinds.walk.schemas import FootStride
+from app.kinds.walk.stored import strides_page
 from app.network.packet_log import write_log
 from app.pages import Page
 from app.patients.access import require_patient
@@ -49,11 +60,17 @@ sessions/<when>-<number>/
   movement-<number>.csv    the same as text
   movement-<number>.json   what each column means (unit, frame, sequence, flags), and how the estimate was made
   comparisons.json         the session beside the templates, by repetition
+  measures.csv             the same measures as a table for a spreadsheet: a row a repetition
+  measures-columns.csv     name, unit and meaning of its columns
+  strides.csv              of a walk: a row a stride; strides-columns.csv says what its columns mean
   safety.json              who confirmed or withdrew that nobody near a magnetic source has an implant, and when
   markers-<number>.json    an optical recording that was uploaded, and what fusing it with a sensor gave
   markers-<number>.<format>  its file as it was uploaded
 
-Times are UTC. Angles are in radians, lengths in metres. JSON and Parquet open in any analysis software.
+Times are UTC. Angles are in radians, lengths in metres; measures have the unit that their column names. JSON and
+Parquet open in any analysis software. Open measures.csv and strides.csv in a spreadsheet: they have a byte order mark,
+and decimal commas with semicolons between cells where the account that exported reads German, else decimal points
+and commas.
 """
 
 
@@ -86,6 +103,8 @@ def write_archive(
             .order_by(MotionSession.created_at)
         ).all()
         versions = session.scalars(_templates_of(patient_id)).all()
+        account = session.get(Account, subject.id)
+        decimal_comma = has_decimal_comma(account.locale if account else "")
         followed = session.scalars(
             select(MotionSession.exercise_id)
             .where(MotionSession.patient_id == patient_id, MotionSession.exercise_id.is_not(None))
@@ -104,7 +123,7 @@ def write_archive(
         name = "".join(letter if letter.isalnum() else "-" for letter in found.name)[:60]
         _json(archive, f"templates/{name}-{found.number}-{found.id[:8]}.json", _plain(found))
     for session_id in sessions:
-        _write_session(archive, engine, subject, session_id)
+        _write_session(archive, engine, subject, session_id, decimal_comma=decimal_comma)
 
 
 def _progress(
@@ -167,21 +186,28 @@ def _master(session: Session, subject: Subject, patient: Patient, default_zone: 
     }
 
 
-def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, session_id: str) -> None:
+def _write_session(
+    archive: zipfile.ZipFile, engine: Engine, subject: Subject, session_id: str, *, decimal_comma: bool
+) -> None:
     with reading(engine) as session:
         found = session.get(MotionSession, session_id)
         if found is None:
             return
         folder = f"sessions/{(found.started_at or found.created_at):%Y-%m-%d-%H%M}-{found.id[:8]}"
         hello = found.hello
-        _json(archive, f"{folder}/session.json", _plain(recordings.describe(session, subject, found)))
+        described = recordings.describe(session, subject, found)
+        _json(archive, f"{folder}/session.json", _plain(described))
         answers = stored_answers(session, session_id)
         if answers is not None:
             _json(archive, f"{folder}/answers.json", _plain(answers))
         compared = session.scalars(select(Comparison.id).where(Comparison.session_id == session_id)).all()
         if compared:
-            content = [_plain(comparisons.detail(session, subject, one)) for one in compared]
-            _json(archive, f"{folder}/comparisons.json", content)
+            details = [comparisons.detail(session, subject, one) for one in compared]
+            _json(archive, f"{folder}/comparisons.json", [_plain(one) for one in details])
+            sheet = measures_sheet(details, found.started_at, described.exercise_name or "")
+            _sheet(archive, f"{folder}/measures", sheet, decimal_comma=decimal_comma)
+        if strides := _strides(session, subject, session_id):
+            _sheet(archive, f"{folder}/strides", strides_sheet(strides), decimal_comma=decimal_comma)
         said = session.scalars(
             select(SessionEvent)
             .where(SessionEvent.session_id == session_id, SessionEvent.kind.in_((EVENT, WITHDRAWN)))
@@ -200,6 +226,19 @@ def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, s
         _stream(archive, f"{folder}/packets.tmlog", write_log(hello, read_packets(engine, session_id)))
     for result_id in results:
         write_movement(archive, f"{folder}/movement-{result_id[:8]}", engine, result_id)
+
+
+def _strides(session: Session, subject: Subject, session_id: str) -> list[FootStride]:
+    """Return the strides of a walk; none of what is no walk."""
+    try:
+        return strides_page(session, subject, session_id, None, Page())
+    except (Conflict, NotFound):
+        return []
+
+
+def _sheet(archive: zipfile.ZipFile, name: str, sheet: Sheet, *, decimal_comma: bool) -> None:
+    for file, content in files_of(name, sheet, decimal_comma=decimal_comma).items():
+        archive.writestr(file, content)
 
 
 def _plain(model: BaseModel) -> dict[str, Any]:

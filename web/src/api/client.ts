@@ -134,6 +134,8 @@ export const api = {
   all,
   binary: async (path: string, signal?: AbortSignal): Promise<ArrayBuffer> =>
     (await send(path, { signal })).arrayBuffer(),
+  /** An answer whose body is read piece by piece. */
+  stream: async (path: string, signal?: AbortSignal): Promise<Response> => send(path, { signal }),
   post: change('POST'),
   put: change('PUT'),
   patch: change('PATCH'),

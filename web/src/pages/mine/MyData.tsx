@@ -5,7 +5,7 @@ import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
-import { ExportButton } from '../patient/DataPanel';
+import { ExportButton } from '../../components/account/ExportButton';
 import { NoRecord } from './Today';
 
 function MyData({ patientId }: { patientId: string }) {

@@ -1,34 +1,19 @@
 // Everything held about a patient: taken along as one file, put away, or erased for good. Each leaves a line in the trail.
 import { Button, Modal, TextInput } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
-import { IconArchive, IconArchiveOff, IconDownload, IconTrash } from '@tabler/icons-react';
+import { IconArchive, IconArchiveOff, IconTrash } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useNavigate } from 'react-router';
 import { useEditPatient, useErasePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
 import { MergeRecords } from './MergeRecords';
+import { ExportButton } from '../../components/account/ExportButton';
 import { Confirm } from '../../components/forms/Confirm';
 import { Notice, Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import { fullName } from '../../lib/people';
-
-/** The archive of everything, as the browser downloads it. */
-export function ExportButton({ patientId, size }: { patientId: string; size?: 'sm' | 'lg' }) {
-  return (
-    <Button
-      component="a"
-      href={`/api/patients/${patientId}/export`}
-      download
-      size={size}
-      variant="default"
-      leftSection={<IconDownload size={18} aria-hidden />}
-    >
-      {t('data.export')}
-    </Button>
-  );
-}
 
 function Erase({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const navigate = useNavigate();

@@ -72,6 +72,10 @@ export const clinic: Translated<typeof english> = {
 
   'data.title': 'Daten',
   'data.export': 'Alles herunterladen',
+  'data.exportMaking':
+    'Die Datei wird erstellt und heruntergeladen: bisher {size}. Bleiben Sie auf dieser Seite; es kann einige Minuten dauern.',
+  'data.exportReady': 'Fertig: {size}, in Ihren Downloads.',
+  'data.exportBroken': 'Das Herunterladen brach ab. Gespeichert ist nichts; versuchen Sie es noch einmal.',
   'data.archive': 'Archivieren',
   'data.archiveTitle': 'Diese Akte archivieren?',
   'data.archiveText':

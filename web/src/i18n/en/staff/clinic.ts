@@ -67,6 +67,10 @@ export const clinic = {
 
   'data.title': 'Data',
   'data.export': 'Download everything',
+  'data.exportMaking':
+    'The file is being made and downloaded: {size} so far. Stay on this page; it may take some minutes.',
+  'data.exportReady': 'Ready: {size}, in your downloads.',
+  'data.exportBroken': 'The download broke off. Nothing was saved; try again.',
   'data.archive': 'Archive',
   'data.archiveTitle': 'Archive this patient?',
   'data.archiveText':
