@@ -30,7 +30,9 @@ from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.assessment.worries.found import unseen, worries_of
 from app.assessment.worries.schemas import WorryOut
+from app.assessment.worries.stopped import stopped_for_pain
 from app.database.base import utc_now
+from app.exercises.doses import DoseHistory, dose_histories
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.pages import Page
 from app.patients.access import visible_patients
@@ -108,6 +110,7 @@ class _Line:
     """Those that nobody has marked as seen, the gravest first."""
     state: tuple[Reason, str]
     """A reason to look that is no worry, and its words."""
+    pain_stops: int
 
     @property
     def worry(self) -> WorryOut | None:
@@ -157,6 +160,8 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
         session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
     )
     worries = worries_of(session, ids)
+    hurt = stopped_for_pain(session, ids, now - ADHERENCE_WINDOW)
+    doses = dose_histories(session, [one for given in prescriptions.values() for one, _ in given])
     done = done_since(session, [one for one in ids if prescriptions[one]], now - PRACTICE_WINDOW)
     lines = []
     for patient in patients:
@@ -169,11 +174,12 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
             and value.measure == main_measure(exercise)
         ]
         given, found = prescriptions[patient.id], sessions[patient.id]
-        practised = adherence([one for one, _ in given], done[patient.id], now, zone)
+        practised = adherence([one for one, _ in given], done[patient.id], now, zone, doses)
         decline = decline_of(own, scatters_of(session, subject.clinic_id, exercise, zone), zone)
-        state = _state(given, found, decline, with_version, now, practised)
+        state = _state(given, found, decline, with_version, now, practised, doses)
         waiting = unseen(worries[patient.id])
-        lines.append(_Line(patient, given, found, own, exercise, practised, waiting, state))
+        stops = len(hurt[patient.id])
+        lines.append(_Line(patient, given, found, own, exercise, practised, waiting, state, stops))
     lines.sort(key=lambda line: line.place)
     shown = page.cut(lines, lambda line: line.place)
     treated = treated_patients(session, subject, [line.patient.id for line in shown])
@@ -215,6 +221,7 @@ def _row(line: _Line, zone: tzinfo, *, may_treat: bool) -> CaseloadRow:
         trend_low=[low for low, _ in bands],
         trend_high=[high for _, high in bands],
         adherence_percent=line.adherence_percent,
+        pain_stops=line.pain_stops,
         reason=line.reason,
         reason_text=line.state[1] if line.worry is None else line.worry.said("text"),
         worry=next(iter(line.worries), None),
@@ -252,6 +259,7 @@ def _state(
     with_version: set[str],
     now: datetime,
     practised_percent: float | None,
+    doses: DoseHistory,
 ) -> tuple[Reason, str]:
     """Return the most urgent reason to look that is no worry."""
     prescriptions = [prescription for prescription, _ in given]
@@ -259,7 +267,7 @@ def _state(
         return "declining", decline.text
     if sessions.lost_id is not None:
         return "link_lost", say("caseload.link_lost")
-    if sessions.last is not None and (text := too_few(sessions.last, given)):
+    if sessions.last is not None and (text := too_few(sessions.last, given, doses)):
         return "few_repetitions", text
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:

@@ -23,9 +23,11 @@ from app.assessment.design.day import valid_of_the_day
 from app.assessment.design.dose import dose_of
 from app.assessment.design.limits import Reached, resting_pose, troubles_of
 from app.assessment.repository import newest_version
+from app.assessment.worries.stopped import stopped_for_pain
 from app.database.base import utc_now
 from app.exercises import repository as exercises
 from app.exercises.design import StopDesign
+from app.exercises.doses import DoseHistory, DoseThen, dose_on, doses_of
 from app.exercises.models import Prescription, TemplateVersion
 from app.exercises.schemas import PrescriptionChangeOut, PrescriptionOut
 from app.recordings.models import MotionSession
@@ -51,6 +53,7 @@ class Done:
         Valid ones.
     active_s : float
         Time in them, in steady strides or in movement.
+    session_id : str
     """
 
     at: datetime
@@ -58,6 +61,7 @@ class Done:
     prescription_id: str | None = None
     repetitions: int = 0
     active_s: float = 0.0
+    session_id: str = ""
 
 
 def zone_of(session: Session, clinic_id: str, default_zone: str) -> tzinfo:
@@ -147,13 +151,24 @@ def done_since(session: Session, patient_ids: Iterable[str], start: datetime) ->
             MotionSession.prescription_id,
             MotionSession.valid_repetitions,
             MotionSession.active_s,
+            MotionSession.id,
         )
         .where(MotionSession.patient_id.in_(patient_ids), counts(), start <= WHEN)
         .order_by(WHEN, MotionSession.id)
     )
-    for patient_id, started_at, created_at, exercise_id, prescription_id, repetitions, active_s in rows:
+    for (
+        patient_id,
+        started_at,
+        created_at,
+        exercise_id,
+        prescribed,
+        repetitions,
+        active_s,
+        session_id,
+    ) in rows:
+        began = started_at or created_at
         found[patient_id].append(
-            Done(started_at or created_at, exercise_id, prescription_id, repetitions or 0, active_s or 0.0)
+            Done(began, exercise_id, prescribed, repetitions or 0, active_s or 0.0, session_id)
         )
     return found
 
@@ -176,7 +191,12 @@ def last_done(session: Session, patient_ids: Iterable[str], start: datetime) -> 
 
 
 def share_out(
-    prescriptions: Sequence[Prescription], done: Iterable[Done], zone: tzinfo, *, from_monday: bool = False
+    prescriptions: Sequence[Prescription],
+    done: Iterable[Done],
+    zone: tzinfo,
+    *,
+    from_monday: bool = False,
+    history: DoseHistory | None = None,
 ) -> dict[str, list[Done]]:
     """Give each session to the one prescription that it counts for.
 
@@ -190,6 +210,8 @@ def share_out(
         In which weeks begin.
     from_monday : bool
         Whether a prescription also takes what was done in its first week before it began.
+    history : mapping of str to sequence of DoseThen, optional
+        Doses over time: a week is full by the dose that held in it. Without it, by the present one.
 
     Returns
     -------
@@ -199,6 +221,7 @@ def share_out(
     oldest_first = sorted(prescriptions, key=lambda one: (one.starts_at, one.id))
     shared: dict[str, list[Done]] = {one.id: [] for one in oldest_first}
     taken: Counter[tuple[str, datetime]] = Counter()
+    doses = {one.id: _doses(one, history) for one in oldest_first}
     for each in done:
         week = week_start(each.at, zone)
         fitting = [
@@ -211,7 +234,9 @@ def share_out(
         if not fitting:
             continue
         named = [one for one in fitting if one.id == each.prescription_id]
-        open_yet = [one for one in fitting if taken[one.id, week] < one.times_per_week]
+        open_yet = [
+            one for one in fitting if taken[one.id, week] < dose_on(doses[one.id], each.at).times_per_week
+        ]
         chosen = (named or open_yet or fitting)[0]
         taken[chosen.id, week] += 1
         shared[chosen.id].append(each)
@@ -219,7 +244,11 @@ def share_out(
 
 
 def adherence(
-    prescriptions: Sequence[Prescription], done: Iterable[Done], now: datetime, zone: tzinfo
+    prescriptions: Sequence[Prescription],
+    done: Iterable[Done],
+    now: datetime,
+    zone: tzinfo,
+    history: DoseHistory | None = None,
 ) -> float | None:
     """Return sessions done in percent of sessions prescribed, over the last four weeks; None before the first
     is due.
@@ -233,32 +262,64 @@ def adherence(
     now : datetime
     zone : tzinfo
         In which weeks begin.
+    history : mapping of str to sequence of DoseThen, optional
+        Doses over time (`dose_histories`): each day is judged by the dose that held on it, so that a changed dose makes
+        no past week better or worse. Without it the present dose holds for all of it.
 
     Notes
     -----
     More than prescribed in one exercise does not make up for none in another: each counts at most in full. Where days
     are named, a session is due on each of them that is over; otherwise they are due evenly over the week.
     """
-    shared = share_out(prescriptions, done, zone)
+    shared = share_out(prescriptions, done, zone, history=history)
     expected_total, done_total = 0.0, 0.0
     for prescription in prescriptions:
         start = max(prescription.starts_at, now - ADHERENCE_WINDOW)
         end = min(prescription.ends_at or now, now)
-        expected = _expected(prescription, start, end, zone)
+        expected = sum(
+            _expected(one, max(start, one.start), min(end, one.end or end), zone)
+            for one in _doses(prescription, history)
+        )
         count = sum(1 for one in shared[prescription.id] if start <= one.at <= end)
         expected_total += expected
         done_total += min(float(count), expected)
     return round(100.0 * done_total / expected_total, 1) if expected_total >= 1.0 else None
 
 
-def _expected(prescription: Prescription, start: datetime, end: datetime, zone: tzinfo) -> float:
-    """Return how many sessions were due between two moments."""
-    if not prescription.days:
-        return prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
+def _doses(prescription: Prescription, history: DoseHistory | None) -> Sequence[DoseThen]:
+    return (history or {}).get(prescription.id) or doses_of(prescription)
+
+
+def _expected(dose: DoseThen, start: datetime, end: datetime, zone: tzinfo) -> float:
+    """Return how many sessions of a dose were due between two moments."""
+    if not dose.days:
+        return dose.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
     first, last = start.astimezone(zone).date(), end.astimezone(zone).date()
     dates = (first + timedelta(days=number) for number in range(max(0, (last - first).days)))
-    return float(
-        max(1, len(prescription.times)) * sum(1 for day in dates if day.isoweekday() in prescription.days)
+    return float(max(1, len(dose.times)) * sum(1 for day in dates if day.isoweekday() in dose.days))
+
+
+def _pain_stops(
+    session: Session,
+    patient_id: str,
+    prescriptions: Sequence[Prescription],
+    shared: dict[str, list[Done]],
+    start: datetime,
+    zone: tzinfo,
+) -> Counter[str]:
+    """Return how many sessions since a time ended because it hurt, by prescription, whether they count or not."""
+    hurt = stopped_for_pain(session, [patient_id], start)[patient_id]
+    ids = {one.session_id for one in hurt}
+    counted = {one.session_id for rows in shared.values() for one in rows}
+    others = [
+        Done(one.at, one.exercise_id, one.prescription_id) for one in hurt if one.session_id not in counted
+    ]
+    uncounted = share_out(prescriptions, others, zone, from_monday=True)
+    return Counter(
+        {
+            one.id: sum(each.session_id in ids for each in shared[one.id]) + len(uncounted[one.id])
+            for one in prescriptions
+        }
     )
 
 
@@ -270,6 +331,7 @@ def _with_practice(
     start = week_start(now, zone)
     done = done_since(session, [patient_id], start)[patient_id]
     shared = share_out([row[0] for row in rows], done, zone, from_monday=True)
+    hurt = _pain_stops(session, patient_id, [row[0] for row in rows], shared, start, zone)
     valid = valid_of_the_day(session, patient_id, [row[0].id for row in rows], now, zone)
     counted = set(
         session.scalars(
@@ -307,6 +369,7 @@ def _with_practice(
                 starts_at=row.starts_at,
                 ends_at=row.ends_at,
                 done_this_week=len(shared[row.id]),
+                pain_stops_this_week=hurt[row.id],
                 repetitions_this_week=sum(one.repetitions for one in shared[row.id]),
                 active_s_this_week=sum(one.active_s for one in shared[row.id]),
                 number=1 + len(changes[row.id]),

@@ -19,6 +19,7 @@ from app.assessment.practice import zone_of
 from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint, ProgressTrend
 from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
+from app.exercises.doses import DoseThen, dose_histories
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
@@ -207,9 +208,13 @@ def _events(
         .join(Exercise, Exercise.id == Prescription.exercise_id)
         .where(Prescription.patient_id == patient_id, Prescription.exercise_id == exercise_id)
     )
-    for prescription, exercise in prescriptions:
-        text = say("progress.prescribed", dose=dose(prescription, exercise.movement))
-        events.append(ProgressEvent(at=prescription.starts_at, kind="prescription", text=text))
+    rows = [(prescription, exercise.movement) for prescription, exercise in prescriptions]
+    history = dose_histories(session, [prescription for prescription, _ in rows])
+    for prescription, movement in rows:
+        # Each dose where it began to hold: a later one says nothing of the days before it.
+        for held in history[prescription.id]:
+            text = say("progress.prescribed", dose=dose(held, movement))
+            events.append(ProgressEvent(at=held.start, kind="prescription", text=text))
     return sorted(events, key=lambda event: event.at)
 
 
@@ -235,12 +240,13 @@ def _pain_events(session: Session, values: list[SessionValue]) -> list[ProgressE
     return [ProgressEvent(at=at[one], kind="pain", text=say("progress.pain")) for one in sorted(set(hurt))]
 
 
-def dose(prescription: Prescription, movement: str) -> Sentence:
+def dose(prescription: Prescription | DoseThen, movement: str) -> Sentence:
     """Return a prescription's dose in a few words.
 
     Parameters
     ----------
-    prescription : Prescription
+    prescription : Prescription or DoseThen
+        The present dose, or one that held once.
     movement : str
         Of its exercise. A walk is walked once in a session, whatever number of repetitions is stored with it.
     """

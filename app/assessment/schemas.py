@@ -146,6 +146,9 @@ class CaseloadRow(Spoken):
     trend_low: list[float]
     trend_high: list[float]
     adherence_percent: float | None
+    pain_stops: int = 0
+    """Sessions of the last four weeks that ended because it hurt; they count as practised where something valid was
+    done."""
     reason: Literal[
         "pain",
         "stop",

@@ -293,6 +293,9 @@ class PrescriptionOut(Spoken):
     """How many of its times a day are done today: goals reached, or sessions where there is none."""
     done_this_week: int
     """Sessions since Monday, by the clinic's clocks, in which something valid was done; each counts once."""
+    pain_stops_this_week: int = 0
+    """Sessions since Monday that ended because it hurt, those among `done_this_week` and those in which nothing valid
+    was done."""
     repetitions_this_week: int
     """Valid repetitions of these sessions; 0 for walks."""
     active_s_this_week: float

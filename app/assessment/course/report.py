@@ -8,10 +8,12 @@ from app.accounts.models import Account
 from app.accounts.subject import Subject
 from app.assessment.course.schemas import CourseNoteIn, CourseNoteOut, CourseOut
 from app.assessment.models import Comparison, CourseNote
-from app.assessment.practice import WHEN, adherence, counts, done_since, zone_of
+from app.assessment.practice import ADHERENCE_WINDOW, WHEN, adherence, counts, done_since, zone_of
 from app.assessment.progress import dose
+from app.assessment.worries.stopped import stopped_for_pain
 from app.database.base import utc_now
 from app.errors import NotFound
+from app.exercises.doses import dose_histories
 from app.exercises.models import Exercise, Prescription
 from app.patients.access import require_patient
 from app.recordings.models import MotionSession
@@ -69,6 +71,10 @@ def course(
     if prescriptions:
         done = done_since(session, [patient_id], min(one.starts_at for one in prescriptions))[patient_id]
     zone = zone_of(session, subject.clinic_id, default_zone)
+    now = utc_now()
+    history = dose_histories(session, prescriptions)
+    held = sorted((each for one in history.values() for each in one), key=lambda one: one.start)
+    hurt = stopped_for_pain(session, [patient_id], now - ADHERENCE_WINDOW)[patient_id]
     return CourseOut(
         exercise_id=exercise_id,
         exercise_name=exercise.name,
@@ -77,8 +83,9 @@ def course(
         last_at=last_at,
         valid_repetitions=repetitions,
         active_s=active_s,
-        prescribed=[dose(one, exercise.movement) for one in prescriptions],
-        adherence_percent=adherence(prescriptions, done, utc_now(), zone),
+        prescribed=[dose(one, exercise.movement) for one in held],
+        adherence_percent=adherence(prescriptions, done, now, zone, history),
+        pain_stops=sum(one.exercise_id == exercise_id for one in hurt),
         first_comparison_id=compared[0].id if compared else None,
         last_comparison_id=compared[-1].id if compared else None,
         note=_newest_note(session, patient_id, exercise_id),

@@ -40,6 +40,8 @@ class CourseOut(Spoken):
     """Each dose in words, oldest first."""
     adherence_percent: float | None
     """Over the last four weeks."""
+    pain_stops: int = 0
+    """Sessions of the last four weeks that ended because it hurt."""
     first_comparison_id: str | None
     last_comparison_id: str | None
     """Of the first and of the newest compared session, by their main results."""

@@ -2682,6 +2682,11 @@ export interface components {
             main_unit: string | null;
             /** May Treat */
             may_treat: boolean;
+            /**
+             * Pain Stops
+             * @default 0
+             */
+            pain_stops?: number;
             /** Patient Id */
             patient_id: string;
             /**
@@ -2954,6 +2959,11 @@ export interface components {
             /** Last Comparison Id */
             last_comparison_id: string | null;
             note: components["schemas"]["CourseNoteOut"] | null;
+            /**
+             * Pain Stops
+             * @default 0
+             */
+            pain_stops?: number;
             /** Prescribed */
             prescribed: string[];
             /** Sentences */
@@ -4872,6 +4882,11 @@ export interface components {
              * @default 1
              */
             number?: number;
+            /**
+             * Pain Stops This Week
+             * @default 0
+             */
+            pain_stops_this_week?: number;
             /** Question */
             question: string;
             /** Repetitions */

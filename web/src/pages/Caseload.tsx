@@ -104,6 +104,7 @@ function Row({ row }: { row: CaseloadRow }) {
       </td>
       <td data-label={t('caseload.practised')}>
         <Practised percent={row.adherence_percent ?? null} />
+        {(row.pain_stops ?? 0) > 0 && <div className="small">{t('practice.pain', { count: row.pain_stops ?? 0 })}</div>}
       </td>
       <td data-label={t('caseload.last')}>{day(row.last_session_at ?? null)}</td>
       <td data-label={t('caseload.due')} className="due wide">

@@ -53,7 +53,23 @@ export function todayText(one: Today): string {
   return one.done_today > 0 && one.done_today < times ? t('mine.timesDone', { done: one.done_today, times }) : '';
 }
 
-type Week = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'repetitions_this_week' | 'active_s_this_week'>;
+type Sessions = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'pain_stops_this_week'>;
+type Week = Sessions & Pick<Prescription, 'repetitions_this_week' | 'active_s_this_week'>;
+
+/** For instance `stopped for pain`, where that is said of the only session, or `2 stopped for pain`; empty for none. */
+export function painText({
+  done_this_week: done,
+  pain_stops_this_week: stops = 0,
+}: Omit<Sessions, 'times_per_week'>): string {
+  if (!stops) return '';
+  return stops === 1 && done <= 1 ? t('practice.painOnly') : t('practice.pain', { count: stops });
+}
+
+/** For instance `1 of 3 sessions this week, stopped for pain`: what pain ended is never silently done. */
+export function sessionsText(week: Sessions): string {
+  const { done_this_week: done, times_per_week: of } = week;
+  return [t('practice.sessions', { done: Math.min(done, of), count: of }), painText(week)].filter(Boolean).join(', ');
+}
 
 /** Time of exercise: seconds below a minute, else whole minutes. */
 export function activeText(seconds: number): string {
@@ -66,7 +82,7 @@ export function activeText(seconds: number): string {
 export function weekText(week: Week): string {
   const { done_this_week: done, times_per_week: of } = week;
   return [
-    t('practice.sessions', { done: Math.min(done, of), count: of }),
+    sessionsText(week),
     done > of && t('practice.more', { count: done - of }),
     week.repetitions_this_week > 0 && t('prescription.repetitions', { count: week.repetitions_this_week }),
     week.active_s_this_week >= 0.5 && activeText(week.active_s_this_week),

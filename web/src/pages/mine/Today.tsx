@@ -19,7 +19,15 @@ import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { kindFor } from '../../kinds';
 import { HowItGoes } from './HowItGoes';
-import { isBegun, isDoneForWeek, isOpenToday, scheduleText, todayText } from '../../lib/assessment/practice';
+import {
+  isBegun,
+  isDoneForWeek,
+  isOpenToday,
+  scheduleText,
+  todayText,
+  painText,
+  sessionsText,
+} from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
@@ -85,12 +93,9 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         <p className="muted">
           {isDone
             ? isDoneForWeek(prescription)
-              ? t('mine.doneForWeek')
+              ? [t('mine.doneForWeek'), painText(prescription)].filter(Boolean).join(', ')
               : t('mine.onDays', { days: scheduleText(prescription) })
-            : t('practice.sessions', {
-                done: Math.min(prescription.done_this_week, prescription.times_per_week),
-                count: prescription.times_per_week,
-              })}
+            : sessionsText(prescription)}
         </p>
       </div>
       <Button

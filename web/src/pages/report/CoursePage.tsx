@@ -93,7 +93,17 @@ function Summary({ patient, course, progress }: CourseProps) {
       }),
     ],
     ...(typeof course.adherence_percent === 'number'
-      ? [[t('course.adherence'), `${number(course.adherence_percent)} %`] as [string, string]]
+      ? [
+          [
+            t('course.adherence'),
+            [
+              `${number(course.adherence_percent)} %`,
+              (course.pain_stops ?? 0) > 0 && t('practice.pain', { count: course.pain_stops ?? 0 }),
+            ]
+              .filter(Boolean)
+              .join(', '),
+          ] as [string, string],
+        ]
       : []),
     ...(course.prescribed.length > 0
       ? [[t('course.prescribed'), course.prescribed.join('; ')] as [string, string]]

@@ -1,5 +1,15 @@
 import { expect, it } from 'vitest';
-import { activeText, isOpenToday, scheduleText, todayText, weekText } from '../../../src/lib/assessment/practice';
+import { speakWith } from '../../../src/i18n';
+import { words as german } from '../../../src/i18n/de';
+import { words as english } from '../../../src/i18n/en';
+import {
+  activeText,
+  isOpenToday,
+  scheduleText,
+  sessionsText,
+  todayText,
+  weekText,
+} from '../../../src/lib/assessment/practice';
 
 const week = (done: number, of: number, repetitions = 0, active = 0) => ({
   done_this_week: done,
@@ -13,6 +23,17 @@ it('says sessions, repetitions and time of the week', () => {
   expect(weekText(week(1, 3, 0, 45))).toBe('1 of 3 sessions this week · 45 s active');
   expect(weekText(week(0, 1))).toBe('0 of 1 session this week');
   expect(weekText(week(1, 2, 1))).toBe('1 of 2 sessions this week · 1 repetition');
+});
+
+it('says what pain ended: it is not silently done', () => {
+  const stopped = (done: number, stops: number) => ({ ...week(done, 3, 12), pain_stops_this_week: stops });
+  expect(weekText(stopped(1, 1))).toBe('1 of 3 sessions this week, stopped for pain · 12 repetitions');
+  expect(weekText(stopped(0, 1))).toBe('0 of 3 sessions this week, stopped for pain · 12 repetitions');
+  expect(weekText(stopped(3, 1))).toBe('3 of 3 sessions this week, 1 stopped for pain · 12 repetitions');
+  expect(weekText(stopped(2, 2))).toBe('2 of 3 sessions this week, 2 stopped for pain · 12 repetitions');
+  speakWith('de', german);
+  expect(sessionsText(stopped(1, 1))).toBe('1 von 3 Sitzungen diese Woche, wegen Schmerzen beendet');
+  speakWith('en', english);
 });
 
 it('never says thirteen of three', () => {
