@@ -83,7 +83,7 @@ class SessionOut(Spoken):
 
 
 class SessionEventOut(Spoken):
-    """Something on the time line: state, gap, sensor_lost, sensor_back, mark, calibration, error."""
+    """Something on the time line: state, gap, sensor_lost, sensor_back, sensor_slipped, mark, calibration, error."""
 
     kind: str
     time_s: float

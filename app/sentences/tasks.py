@@ -76,6 +76,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "session.pose_outside": "The pose from {start_s:s.1} to {end_s:s.1} is not in the recording.",
     "session.nothing_to_estimate": "The session holds no packets that can be analysed.",
     "session.headings_left_out": "The directions set at {time_s:s} were not used. {reason}",
+    "slip.turned": "The sensor on the {where:place|or} seems to have turned in its strap at {at}, by about"
+    " {angle_rad:deg}. The angles of {joints:joint|and} after that are not reliable. Fasten the sensor and"
+    " calibrate again.",
     "mass_centre.sensors": "The centre of mass needs sensors on both thighs and on the chest or the pelvis.",
     "series.other_kind": "The sensors of this kind of session do not measure this.",
     "series.unknown": "No session has {names:and}; there are {known:and}.",

@@ -21,6 +21,7 @@ from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, kind, run, step_through
 from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
 from estimators.pipelines.arm.pipeline import ArmPipeline
+from estimators.pipelines.arm.slips import Slip, SlipSearch, in_doubt, with_slips
 from estimators.pipelines.relative.pipeline import ModulesChunk, RelativePosePipeline
 from estimators.pipelines.relative.smoothing import smooth_modules, with_modules
 from estimators.pipelines.relative.source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
@@ -59,6 +60,8 @@ __all__ = [
     "RelativePosePipeline",
     "SessionSetup",
     "ShoeWalk",
+    "Slip",
+    "SlipSearch",
     "SourceSettings",
     "Walk",
     "analyse_bursts",
@@ -74,6 +77,7 @@ __all__ = [
     "find_pose",
     "has_shoes",
     "hips_above_ankles_m",
+    "in_doubt",
     "is_offline",
     "kind",
     "refine_elbows",
@@ -88,4 +92,5 @@ __all__ = [
     "with_modules",
     "with_relative_feet",
     "with_shoes",
+    "with_slips",
 ]

@@ -13,6 +13,7 @@ from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
 from estimators.pipelines.arm.pipeline import ArmPipeline
+from estimators.pipelines.arm.slips import find_slips, with_slips
 from estimators.pipelines.relative.pipeline import RelativePosePipeline
 from estimators.pipelines.walk.pipeline import GaitPipeline
 from estimators.pipelines.walk.walk import analyse_walk
@@ -163,6 +164,9 @@ def run(
     The calibration found is applied to the whole recording from its start, also to what came before the
     pose: a second pass, as off-line nothing is in a hurry. Where the setup names an off-line smoother
     (`orientation.smoothers()`), the orientation of every sensor is found from the whole recording first.
+
+    Where a sensor of an arm or the trunk turned in its strap, what depends on it is flagged and its sigma holds the
+    turn from there on; `SlipSearch` says which and when.
     """
     missing = [name for name in setup.placements if name not in recording.sensors]
     if missing:
@@ -174,7 +178,7 @@ def run(
     is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)
     needs_no_pose = setup.pipeline == OrientationPipeline.name and pose_s is None
     if is_mounted or needs_no_pose or setup.pipeline == RelativePosePipeline.name:
-        return step_through(create(setup), chunk), setup
+        return _watched(step_through(create(setup), chunk), chunk, setup), setup
     first, stop = find_pose(chunk) if pose_s is None else _ticks_of(chunk, pose_s)
     setup = _calibrated(chunk, setup, first, stop)
     frames = step_through(create(setup), chunk)
@@ -182,9 +186,16 @@ def run(
         middle_s = (chunk.first_tick + 0.5 * (first + stop)) * chunk.time_step_s
         refined = refine_elbows(elbow_poses(frames), setup, middle_s)
         if elbows_to_refine(refined) != elbows_to_refine(setup):
-            return step_through(create(refined), chunk), refined
+            frames = step_through(create(refined), chunk)
         setup = refined
-    return frames, setup
+    return _watched(frames, chunk, setup, (chunk.first_tick + stop) * chunk.time_step_s), setup
+
+
+def _watched(frames: Frames, chunk: ImuChunk, setup: SessionSetup, from_s: float = 0.0) -> Frames:
+    """Return frames that say where a sensor of an arm has turned in its strap."""
+    if setup.pipeline != ArmPipeline.name:
+        return frames
+    return with_slips(frames, setup, find_slips([frames], [chunk], setup, from_s))
 
 
 def step_through(pipeline: Pipeline, chunk: ImuChunk) -> Frames:

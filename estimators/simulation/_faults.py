@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators import rotation
 from estimators.errors import SetupError
 from estimators.recording import Recording, SensorSignals
 
@@ -71,6 +72,45 @@ def kill_sensor(
             failed(signals.gyroscope_radps),
             failed(signals.accelerometer_mps2),
             None if field is None else failed(field),
+        ),
+    )
+
+
+def turn_in_strap(
+    recording: Recording,
+    placement: str,
+    at_s: float,
+    turn_rad: tuple[float, float, float],
+    lasts_s: float = 0.3,
+) -> Recording:
+    """Let one sensor turn on its segment and stay so: from then on it reads everything in turned axes.
+
+    Parameters
+    ----------
+    recording : Recording
+    placement : str
+    at_s : float
+        Middle of the turn.
+    turn_rad : (float, float, float)
+        Rotation vector in the axes that the sensor had before.
+    lasts_s : float
+        From rest to rest; the gyroscope feels it.
+    """
+    signals = _sensor(recording, placement)
+    u = np.clip((signals.time_s - at_s) / lasts_s + 0.5, 0.0, 1.0)
+    share = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    turn = np.array(turn_rad)
+    back = rotation.conjugate(rotation.exp(share[:, None] * turn))
+    own = np.gradient(share, signals.time_s)[:, None] * turn
+    field = signals.magnetometer_t
+    return _with(
+        recording,
+        placement,
+        replace(
+            signals,
+            gyroscope_radps=rotation.rotate(back, signals.gyroscope_radps) + own,
+            accelerometer_mps2=rotation.rotate(back, signals.accelerometer_mps2),
+            magnetometer_t=None if field is None else rotation.rotate(back, field),
         ),
     )
 

@@ -17,6 +17,7 @@ from estimators.simulation._faults import (
     kill_sensor,
     saturate,
     skew_stamps,
+    turn_in_strap,
 )
 
 __all__ = [
@@ -34,4 +35,5 @@ __all__ = [
     "reordered",
     "saturate",
     "skew_stamps",
+    "turn_in_strap",
 ]

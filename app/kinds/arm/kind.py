@@ -5,7 +5,8 @@ from typing import Final
 
 from app.kinds.arm.elbows import with_elbows
 from app.kinds.arm.series import SERIES
-from app.recordings.analysis.heading_line import HeadingLine, with_first_headings
+from app.kinds.arm.slips import SlippedLine, mounted_since_s, report_slips, slips_of
+from app.recordings.analysis.heading_line import with_first_headings
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
@@ -23,7 +24,7 @@ class ArmKind(SessionKind):
     series = SERIES
 
     def analyse(self, wanted: Wanted) -> Analysis:
-        """Find the pose where the setup has no calibration, then estimate; elbows and headings from all of it."""
+        """Find the pose where the setup has no calibration, then estimate; elbows, headings, slips from all."""
         context, setup, pose_s, resets = wanted.context, wanted.setup, wanted.pose_s, wanted.resets
         pieces = smoothed(context, setup)
         setup, pose_s, message = posed(setup, pose_s, pieces, search=wanted.search_pose)
@@ -31,8 +32,12 @@ class ArmKind(SessionKind):
             setup = with_elbows(setup, pose_s, pieces)
         if setup.calibration is not None and setup.calibration.unknown_headings:
             setup, resets = with_first_headings(setup, resets, pieces)
-        line = HeadingLine(pipelines.create(setup), resets if setup.calibration is not None else ())
+        resets = resets if setup.calibration is not None else ()
+        from_s = mounted_since_s(context) if pose_s is None else pose_s[1]
+        slips = slips_of(setup, resets, pieces, from_s)
+        line = SlippedLine(pipelines.create(setup), resets, slips)
         found = estimated(context, line, pieces, message=message, progress_from=wanted.progress_from)
+        report_slips(context, slips)
         return replace(found, pose_s=pose_s if setup.calibration is not None else None, learnt=pieces.learnt)
 
     def warm_up(self, orientation: str = DEFAULT) -> None:

@@ -20,7 +20,7 @@ from estimators.errors import CalibrationError
 from estimators.pipelines import Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
 
-_TELL_MOUNTING: Final = ("n_pose", "t_pose", "functional", "passive")
+MOUNTINGS: Final = ("n_pose", "t_pose", "functional", "passive")
 """Calibrations that set the mountings; headings set anew and biases found later leave them in force."""
 
 
@@ -81,7 +81,7 @@ def calibration_in_force(
     for event in events:
         details = event.details or {}
         kind = details.get("kind", "n_pose")
-        if kind in _TELL_MOUNTING:
+        if kind in MOUNTINGS:
             pose_s = (event.time_s, event.time_s + event.duration_s) if kind == "n_pose" else None
             break
         # Of sessions from before resets were made again it is not known what they set.
@@ -175,4 +175,4 @@ def with_first_headings(
     return line.pipeline.setup, line.waiting
 
 
-__all__ = ["HeadingLine", "HeadingReset", "calibration_in_force", "with_first_headings"]
+__all__ = ["MOUNTINGS", "HeadingLine", "HeadingReset", "calibration_in_force", "with_first_headings"]

@@ -44,6 +44,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "session.exercise_changed": "Die Übung dieser Sitzung wurde geändert. {reason}",
     "session.delete_live": "Diese Sitzung ist live; beenden Sie sie vor dem Löschen.",
     "session.headings_left_out": "Die bei {time_s:s} gesetzten Richtungen wurden nicht verwendet. {reason}",
+    "slip.turned": "{where:place|or}: Der Sensor hat sich bei {at} anscheinend im Gurt verdreht, um etwa"
+    " {angle_rad:deg}. Die Winkel von {joints:joint|and} sind danach nicht verlässlich. Befestigen Sie den Sensor neu,"
+    " und kalibrieren Sie noch einmal.",
     "session.no_estimator": "Ein Schätzverfahren {unknown:or} gibt es nicht; wählen Sie {known:or}.",
     "session.no_packets": "Diese Sitzung enthält keine Daten: Es hat sich nie ein Gateway verbunden.",
     "session.no_pose": "Nicht kalibriert, deshalb gibt es keine Gelenkwinkel: Es wurde keine Kalibrierhaltung"

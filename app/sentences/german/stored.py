@@ -129,6 +129,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Die Zeit wurde in der Aufzeichnung {count:number}\u2011mal zurückgestellt; dort wird jeweils eine"
         " Pause von {pause_s:s} angenommen.",
     },
+    "joint.trunk": "Rumpf",
+    "joint.shoulder": "Schulter",
+    "joint.elbow": "Ellbogen",
+    "joint.wrist": "Handgelenk",
     "triad.accelerometer": "Beschleunigungssensor",
     "triad.gyroscope": "Gyroskop",
 }

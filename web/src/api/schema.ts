@@ -5539,7 +5539,7 @@ export interface components {
         };
         /**
          * SessionEventOut
-         * @description Something on the time line: state, gap, sensor_lost, sensor_back, mark, calibration, error.
+         * @description Something on the time line: state, gap, sensor_lost, sensor_back, sensor_slipped, mark, calibration, error.
          */
         SessionEventOut: {
             /** Duration S */

@@ -29,6 +29,7 @@ const SHOWN_EVENTS = new Set([
   'gap',
   'sensor_lost',
   'sensor_back',
+  'sensor_slipped',
   'forces_lost',
   'forces_back',
   'mark',

@@ -23,6 +23,7 @@ export function MethodSheet({ session, patient, comparison, template, estimators
   const dropped = (comparison?.repetitions ?? []).filter((one) => !one.repetition.is_kept);
   const gaps = session.events.filter((event) => event.kind === 'gap');
   const lost = session.events.filter((event) => event.kind === 'sensor_lost');
+  const slipped = session.events.filter((event) => event.kind === 'sensor_slipped');
   const { text, convention } = exercise?.primary_angle
     ? channelLabel(exercise.primary_angle)
     : { text: '', convention: '' };
@@ -55,6 +56,9 @@ export function MethodSheet({ session, patient, comparison, template, estimators
           })
         : t('details.uploaded'),
     ],
+    ...(slipped.length > 0
+      ? [[t('report.slipped'), slipped.map((event) => event.text).join(' ')] as [string, string]]
+      : []),
     [
       t('compare.template'),
       comparison

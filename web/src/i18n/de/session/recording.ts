@@ -153,6 +153,7 @@ export const session: Translated<typeof english> = {
   'event.gap': 'Lücke in den Daten',
   'event.sensor_lost': 'Sensorsignal verloren',
   'event.sensor_back': 'Sensorsignal wieder da',
+  'event.sensor_slipped': 'Ein Sensor hat sich im Gurt verdreht',
   'event.forces_lost': 'Kraftsignal eines Schuhs verloren',
   'event.forces_back': 'Kraftsignal eines Schuhs wieder da',
   'event.calibration': 'Kalibrierung',

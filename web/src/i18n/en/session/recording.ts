@@ -149,6 +149,7 @@ export const session = {
   'event.gap': 'Gap in the data',
   'event.sensor_lost': 'Sensor signal lost',
   'event.sensor_back': 'Sensor signal is back',
+  'event.sensor_slipped': 'A sensor turned in its strap',
   'event.forces_lost': 'Force signal of a shoe lost',
   'event.forces_back': 'Force signal of a shoe is back',
   'event.calibration': 'Calibration',

@@ -37,6 +37,7 @@ import type { PlayerState } from '../../../api/types';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { Said } from './Said';
+import { SlippedSensors } from './SlippedSensors';
 import { SessionWorries, useSessionWorries } from './SessionWorries';
 import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
@@ -131,6 +132,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
       <div className="stack replay-first">
         <SessionWorries session={session} />
+        <SlippedSensors session={session} />
         {isHurt && <Said session={session} />}
       </div>
       <div className="replay-grid" role="group" aria-label={t('replay.title')}>

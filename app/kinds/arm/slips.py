@@ -1,0 +1,128 @@
+"""Sensors that turned in their strap during a stored session: found first, then flagged in its result and reported."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Final
+
+from sqlalchemy import delete, func, select
+
+from app.database.unit_of_work import read_only, unit_of_work
+from app.recordings.analysis.heading_line import MOUNTINGS, HeadingLine, HeadingReset
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.models import SessionEvent
+from app.sentences import Sentence, say
+from estimators import pipelines
+from estimators.pipelines import Frames, Pipeline, SessionSetup, Slip, SlipSearch
+from estimators.recording import ImuChunk
+
+EVENT: Final = "sensor_slipped"
+_JOINTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "sternum": ("trunk", "shoulder"),
+    "upper_arm": ("shoulder", "elbow"),
+    "forearm": ("elbow", "wrist"),
+    "hand": ("wrist",),
+}
+"""Whose angles a sensor is needed for."""
+
+
+class SlippedLine(HeadingLine):
+    """A pipeline over a stored session, with the slips that were found in it.
+
+    Parameters
+    ----------
+    pipeline : Pipeline
+    resets : sequence of HeadingReset
+    slips : sequence of Slip
+    """
+
+    def __init__(self, pipeline: Pipeline, resets: Sequence[HeadingReset], slips: Sequence[Slip]) -> None:
+        super().__init__(pipeline, resets)
+        self._slips = slips
+
+    def step(self, piece: ImuChunk) -> Iterator[Frames]:
+        """Yield the frames of the next ticks, flagged from each slip on."""
+        for frames in super().step(piece):
+            yield pipelines.with_slips(frames, self.pipeline.setup, self._slips)
+
+
+def slips_of(
+    setup: SessionSetup, resets: Sequence[HeadingReset], pieces: Iterable[ImuChunk], from_s: float
+) -> tuple[Slip, ...]:
+    """Go through a session once and return its slips, earliest first.
+
+    Parameters
+    ----------
+    setup : SessionSetup
+    resets : sequence of HeadingReset
+    pieces : iterable of ImuChunk
+        The whole session, as its result will be estimated.
+    from_s : float
+        Session time from which the sensors are worn as they were calibrated.
+    """
+    if setup.calibration is None or not setup.calibration.q_sensor_segment:
+        return ()
+    line, search = HeadingLine(pipelines.create(setup), resets), SlipSearch(setup, from_s)
+    for piece in pieces:
+        for frames in line.step(piece):
+            first = frames.first_tick - piece.first_tick
+            search.add(frames, piece.ticks(first, first + frames.tick_count))
+    return search.finish()
+
+
+def mounted_since_s(context: JobContext) -> float:
+    """Return when the last calibration that tells how sensors sit ended; 0 where the session has none."""
+    end_s = SessionEvent.time_s + SessionEvent.duration_s
+    with read_only(context.engine) as session:
+        found = session.scalar(
+            select(func.max(end_s)).where(
+                SessionEvent.session_id == context.session_id,
+                SessionEvent.kind == "calibration",
+                SessionEvent.duration_s > 0,
+                SessionEvent.details["kind"].as_string().in_(MOUNTINGS),
+            )
+        )
+    return float(found or 0.0)
+
+
+def report_slips(context: JobContext, slips: Sequence[Slip]) -> None:
+    """Put slips on the time line in place of those that an earlier analysis found."""
+    with unit_of_work(context.engine) as session:
+        session.execute(
+            delete(SessionEvent).where(
+                SessionEvent.session_id == context.session_id, SessionEvent.kind == EVENT
+            )
+        )
+        for rivals in pipelines.in_doubt(slips):
+            session.add(
+                SessionEvent(
+                    session_id=context.session_id,
+                    kind=EVENT,
+                    time_s=rivals[0].time_s,
+                    placement=rivals[0].placement if len(rivals) == 1 else None,
+                    text=in_words(rivals),
+                    details={
+                        "placements": [one.placement for one in rivals],
+                        "turn_rad": rivals[0].angle_rad,
+                    },
+                )
+            )
+
+
+def in_words(rivals: Sequence[Slip]) -> Sentence:
+    """Return a slip as a sentence; of several slips only one is meant, and nobody knows which."""
+    time_s = int(rivals[0].time_s)
+    joints = [joint for one in rivals for joint in _joints_of(one)]
+    return say(
+        "slip.turned",
+        where=[one.placement for one in rivals],
+        at=f"{time_s // 60}:{time_s % 60:02d}",
+        angle_rad=rivals[0].angle_rad,
+        joints=list(dict.fromkeys(joints)),
+    )
+
+
+def _joints_of(slip: Slip) -> tuple[str, ...]:
+    part = slip.placement.removesuffix("_left").removesuffix("_right")
+    return _JOINTS[part]
+
+
+__all__ = ["EVENT", "SlippedLine", "in_words", "mounted_since_s", "report_slips", "slips_of"]
