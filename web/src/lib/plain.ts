@@ -1,7 +1,7 @@
 // Results in plain words for the patient: a change is said only where it is sure, and nothing where little is known.
 import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
-import { shownChange } from './assessment/trend';
+import { isSure, shownChange } from './assessment/trend';
 import { displayUnit, number, quantity } from './format';
 
 /** How far a joint moved; of a foot that walks other numbers say more. */
@@ -47,7 +47,7 @@ export function plainProgress(measure: ProgressMeasure | null): string | null {
     case 'a_little_less':
       return t('mine.aLittleLess', { when });
     default:
-      return changed(measure, when);
+      return isSure(measure) ? changed(measure, when) : t('mine.asBefore', { when });
   }
 }
 

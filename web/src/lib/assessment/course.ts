@@ -16,7 +16,7 @@ export function courseRows(
   { indices = false, most = MOST_ROWS }: { indices?: boolean; most?: number } = {},
 ): ProgressMeasure[] {
   const rank = (one: ProgressMeasure, index: number) =>
-    index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : isSure(one.trend) ? 2 : 3;
+    index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : isSure(one) ? 2 : 3;
   return found
     .filter((one) => one.points.length > 0 && isIndex(one.measure) === indices)
     .map((measure, index) => ({ measure, rank: rank(measure, index), index }))

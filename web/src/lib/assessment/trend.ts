@@ -25,13 +25,22 @@ function changeOf(trend: Trend, unit: string): string {
   return t('trend.change', { change: difference(change, unit), half });
 }
 
+type Judged = Pick<ProgressMeasure, 'trend' | 'unit'>;
+
+/** A change that is smaller than the last digit that is shown is none for who reads it. */
+const isTooSmallToShow = ({ trend, unit }: Judged) => shownChange(trend, unit)?.change === 0;
+
 /** Whether a change is said for sure. */
-export const isSure = ({ word }: Trend) =>
-  word === 'more' || word === 'less' || word === 'a_little_more' || word === 'a_little_less';
+export const isSure = (measure: Judged) =>
+  ['more', 'less', 'a_little_more', 'a_little_less'].includes(measure.trend.word) && !isTooSmallToShow(measure);
 
 /** For a cell of a table. */
-export function trendShort({ trend, unit }: Pick<ProgressMeasure, 'trend' | 'unit'>): string {
+export function trendShort(measure: Judged): string {
+  const { trend, unit } = measure;
   const change = changeOf(trend, unit);
+  const within = () =>
+    t('trend.unchanged', { within: span(Math.abs(trend.change ?? 0) + (trend.half_width ?? 0), unit) });
+  if (trend.word !== 'values' && trend.word !== 'unknown' && isTooSmallToShow(measure)) return within();
   switch (trend.word) {
     case 'values':
       return t('trend.values', { count: trend.days });
@@ -46,7 +55,7 @@ export function trendShort({ trend, unit }: Pick<ProgressMeasure, 'trend' | 'uni
     case 'probably_less':
       return t('trend.probablyLess', { change });
     case 'unchanged':
-      return t('trend.unchanged', { within: span(Math.abs(trend.change ?? 0) + (trend.half_width ?? 0), unit) });
+      return within();
     case 'unknown':
       return t('trend.unknown', { half: span(trend.half_width, unit) });
   }
@@ -58,7 +67,7 @@ export function trendText(measure: Pick<ProgressMeasure, 'trend' | 'unit'>): str
   const words = trendShort(measure);
   if (trend.word === 'values') return words;
   const since = date(trend.since);
-  if (!isSure(trend) || typeof trend.per_week !== 'number') return t('trend.since', { words, since });
+  if (!isSure(measure) || typeof trend.per_week !== 'number') return t('trend.since', { words, since });
   const { factor, digits, suffix } = displayUnit(unit);
   const weekly = `${number(Math.abs(trend.per_week * factor), digits + 1)}${suffix}`;
   return t('trend.sinceWeekly', { words, since, weekly });

@@ -136,7 +136,7 @@ function DoneExercise({ session, exerciseId }: { session: Session; exerciseId: s
     <Done
       session={session}
       repetitions={repetitionsOf(measures, session.id)}
-      value={plainValue(mainMeasure(measures), session.id)}
+      value={session.purpose === 'template' ? t('mine.forTemplate') : plainValue(mainMeasure(measures), session.id)}
     />
   );
 }
@@ -167,7 +167,7 @@ function Results({ patientId }: { patientId: string }) {
           )}
         </Answer>
         <Calendar
-          at={(sessions.data ?? []).filter((one) => one.state === 'analysed').map(begun)}
+          at={(sessions.data ?? []).filter((one) => one.state === 'analysed' && one.purpose !== 'template').map(begun)}
           isWhole={!sessions.hasNextPage}
         />
         <section className="card">

@@ -25,7 +25,7 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={isSure(measure.trend) ? 'strong' : 'muted'}>{trendText(measure)}</p>
+        <p className={isSure(measure) ? 'strong' : 'muted'}>{trendText(measure)}</p>
         {trendNotes(measure).map((note) => (
           <p key={note}>{note}</p>
         ))}

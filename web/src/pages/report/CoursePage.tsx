@@ -57,7 +57,7 @@ function Rows({ rows, caption }: { rows: ProgressMeasure[]; caption: string }) {
                   ? quantity(levels.now, measure.unit)
                   : t('course.valueOnly', { value: quantity(measure.points.at(-1)?.value, measure.unit) })}
               </td>
-              <td className={isSure(measure.trend) ? 'strong' : ''} data-label={t('course.change')}>
+              <td className={isSure(measure) ? 'strong' : ''} data-label={t('course.change')}>
                 {trendShort(measure)}
               </td>
               <td className="number" data-label={t('course.n')}>

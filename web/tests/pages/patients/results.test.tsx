@@ -76,3 +76,23 @@ it('marks days in weeks from Monday, and claims nothing of days that it does not
   expect(marks(true, [new Date(2026, 4, 31, 23).toISOString(), at(1, 0)])).toEqual(['ffffffp', 'pfffuuu']);
   expect(marks(true, [])).toEqual([]);
 });
+
+it('calls what was recorded as the example so, and that day no day of practice', async () => {
+  const session = { patient_id: 'p', exercise_id: 'e', exercise_name: 'Reach', state: 'analysed', duration_s: 60 };
+  const shown = (id: string, purpose: string, started_at: string) => ({ ...session, id, purpose, started_at });
+  const now = new Date();
+  const yesterday = new Date(now.getTime() - 86_400_000);
+  renderPage(<ResultsPage />, {
+    me: OWN,
+    answers: {
+      '/api/patients/p/prescriptions': [],
+      '/api/patients/p/sessions': [
+        shown('a', 'exercise', now.toISOString()),
+        shown('t', 'template', yesterday.toISOString()),
+      ],
+      '/api/patients/p/progress?exercise_id=e': { measures: [], events: [] },
+    },
+  });
+  expect(await screen.findAllByText('Recorded as the example for this exercise')).toHaveLength(1);
+  expect(screen.getAllByText('practised')).toHaveLength(1);
+});

@@ -397,6 +397,7 @@ export const patient: Translated<typeof english> = {
   'mine.ownValue': '{name}: {value}',
   'mine.sessions': 'Was ich gemacht habe',
   'mine.noSessions': 'Noch nichts.',
+  'mine.forTemplate': 'Als Beispiel für diese Übung aufgezeichnet',
   'mine.dataLead': 'Ihre Bewegungsdaten gehören Ihnen. Hier sehen Sie, wer Zugriff hat und wer sie angesehen hat.',
   'mine.whoMay': 'Wer Zugriff hat',
   'mine.nobody': 'Im Moment niemand.',

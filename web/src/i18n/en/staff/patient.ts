@@ -377,6 +377,7 @@ export const patient = {
   'mine.ownValue': '{name}: {value}',
   'mine.sessions': 'What I have done',
   'mine.noSessions': 'Nothing yet.',
+  'mine.forTemplate': 'Recorded as the example for this exercise',
   'mine.dataLead': 'Your movement data belongs to you. Here you see who has access and who viewed it.',
   'mine.whoMay': 'Who has access',
   'mine.nobody': 'Nobody at the moment.',

@@ -66,7 +66,7 @@ function TrueWord({ session, guidance }: { session: SessionDetail; guidance: Gui
   const newest = main?.points.at(-1);
   const valid = guidance?.counts.valid ?? validOf(session);
   const did = valid > 0 ? t('after.did', { count: valid }) : t('after.didNone');
-  const said = main && newest?.session_id === session.id && isSure(main.trend) ? plainProgress(main) : null;
+  const said = main && newest?.session_id === session.id && isSure(main) ? plainProgress(main) : null;
   return <p className="mine-say">{said ?? did}</p>;
 }
 
