@@ -103,9 +103,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.closed_idle": "Ended automatically: no data arrived for ten minutes.",
     "live.closed_long": "Ended automatically: the session reached the longest time allowed. Create another"
     " session to continue.",
-    "live.closed_incomplete": "Ended: the gateway stopped sending, and some data never arrived.",
+    "live.closed_incomplete": "Ended: the sensor box stopped sending, and some data never arrived.",
     "live.no_packet": "No data from the sensors for {silence_s:s}.",
-    "live.all_sent": "The gateway has sent everything.",
+    "live.all_sent": "The sensor box has sent everything.",
     "live.being_analysed": "This session is being analysed; try again in a moment.",
     "live.reopened": "Waiting for measurements that were not sent.",
     "live.closed_by_person": "Session ended.",
@@ -117,11 +117,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.stopped": "The service was stopped.",
     "live.closed": "This session has ended; create another one.",
     "live.superseded": "A newer connection has taken over this session.",
-    "live.connection_ended": "The connection to the gateway ended.",
-    "live.not_connected": "No sensors are connected to this session; start the gateway first.",
+    "live.connection_ended": "The connection to the sensor box ended.",
+    "live.not_connected": "No sensors are connected to this session; switch on the sensor box first.",
     "live.network_changed": "This session began with other sensors (placements, rate, scales or clip levels);"
     " connect with the same ones, or end it and create another session.",
-    "live.other_placements": "The sensors of the gateway are not those of the session ({places:place}); create"
+    "live.other_placements": "The connected sensors are not those of the session ({places:place}); create"
     " the session for the sensors that are worn.",
     "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the recording"
     " or connect first.",
@@ -143,7 +143,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.rest_ends_itself": "This step ends by itself; hold still.",
     "live.movement_too_short": "Make the movement three times first; it takes at least {least_s:s}.",
     "live.too_long": "It took longer than ten minutes; start again.",
-    "live.no_magnetometer": "These sensors have no magnetometer, or the gateway does not send it.",
+    "live.no_magnetometer": "These sensors have no magnetometer, or the sensor box does not send it.",
     "live.pose": "Stand upright, arms hanging, palms to the thighs, and hold still.",
     "live.never_still": "The patient was never still for {hold_s:s}; start again when ready.",
     "live.good_still": "Good, hold still.",

@@ -57,7 +57,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "result.not_complete": "A result that is not complete cannot be compared; wait until it is.",
     "walk.one_estimator": "A walk has one estimator, which has run already; there is no other to choose.",
     "magnetic.one_estimator": "A session with a magnetic source has one estimator, which has run already.",
-    "session.no_packets": "This session holds no data: no gateway ever connected.",
+    "session.no_packets": "This session holds no data: no sensor box ever connected.",
     "session.no_sensor": "The session has no sensor on the {places:place}.",
     "result.no_sequence": "There is no rotation sequence {sequence}.",
     "session.parameter_type": "A parameter of the estimator has a value of the wrong type.",

@@ -57,7 +57,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "limit.exports": "Wait until one is done, then ask again.",
     "limit.reached": "{what:limited} {scope:limit_scope}: at most {most} at once. {advice}",
     "limited.views": "Open 3D views",
-    "limited.streams": "Streaming gateways",
+    "limited.streams": "Streaming sensor boxes",
     "limited.sockets": "Open live views",
     "limited.uploads": "Uploads under way",
     "limited.exports": "Exports being made",

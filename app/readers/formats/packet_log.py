@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 class PacketLogReader(Reader):
     """The log of a gateway, or the one that a session is downloaded as."""
 
-    title = "Packet log of a gateway"
-    description = "As downloaded from a session, or stored by a gateway (.tmlog)"
+    title = "Packet log of a sensor box"
+    description = "As downloaded from a session, or stored by a sensor box (.tmlog)"
     endings = frozenset({".tmlog"})
     asks_pipeline = True
     holds_packets = True

@@ -152,7 +152,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Sie die Stehhaltung ein.",
     "calibration.rest_missing": "Der Moment der Ruhe fehlt. Vor den Bewegungen 3 s stillhalten.",
     "calibration.same_signals": "Die Sensoren ({where:place}) senden dasselbe Signal, bis in das Rauschen: Ein"
-    " Sensor kommt unter mehreren Namen. Prüfen Sie, wie das Gateway seine Sensoren dem Körper zuordnet, und"
+    " Sensor kommt unter mehreren Namen. Prüfen Sie, wie die Sensorbox ihre Sensoren dem Körper zuordnet, und"
     " kalibrieren Sie dann noch einmal.",
     "calibration.seat_moved": "{where:place}: Der Sensor hat sich um {angle_rad:deg} bewegt. Still sitzen und"
     " wiederholen.",

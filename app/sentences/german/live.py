@@ -4,7 +4,7 @@ from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "live.account_inactive": "Dieses Konto ist nicht mehr aktiv.",
-    "live.all_sent": "Das Gateway hat alles gesendet.",
+    "live.all_sent": "Die Sensorbox hat alles gesendet.",
     "live.behind": "Die Schätzung ist im Rückstand; warten Sie einen Moment.",
     "live.calibrated": "Kalibriert, {score:points} von 100 Punkten.",
     "live.calibration_cancelled": "Die Kalibrierung wurde abgebrochen.",
@@ -17,14 +17,14 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "live.closed": "Diese Sitzung ist beendet; erstellen Sie eine neue.",
     "live.closed_by_person": "Sitzung beendet.",
     "live.closed_idle": "Von selbst beendet: Zehn Minuten lang kamen keine Daten.",
-    "live.closed_incomplete": "Beendet: Das Gateway sendet nicht mehr, und einige Daten kamen nie an.",
+    "live.closed_incomplete": "Beendet: Die Sensorbox sendet nicht mehr, und einige Daten kamen nie an.",
     "live.closed_long": "Von selbst beendet: Die Sitzung hat die längste erlaubte Zeit erreicht. Erstellen Sie"
     " eine neue Sitzung, um fortzufahren.",
     "live.connected": "Verbunden.",
     "live.connected_calibrate": "Verbunden; kalibrieren Sie, wenn die Haltung eingenommen ist.",
     "live.connected_directions": "Verbunden. Die Sensorlage ist vom letzten Mal gespeichert; setzen Sie die"
     " Richtungen, bevor gemessen wird.",
-    "live.connection_ended": "Die Verbindung zum Gateway wurde beendet.",
+    "live.connection_ended": "Die Verbindung zur Sensorbox wurde beendet.",
     "live.directions_left": "Die Richtungen müssen noch gesetzt werden: {places:place}.",
     "live.estimation_failed": "Die Live-Schätzung ist ausgefallen. Was die Sensoren senden, wird gespeichert und"
     " kann danach ausgewertet werden.",
@@ -48,19 +48,19 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "live.network_changed": "Diese Sitzung begann mit anderen Sensoren (Stellen, Rate, Skalen oder Grenzwerte);"
     " verbinden Sie dieselben, oder beenden Sie sie und erstellen Sie eine neue.",
     "live.never_still": "Es war nie {hold_s:s} lang still; beginnen Sie noch einmal, wenn alles bereit ist.",
-    "live.no_magnetometer": "Diese Sensoren haben kein Magnetometer, oder das Gateway sendet es nicht.",
+    "live.no_magnetometer": "Diese Sensoren haben kein Magnetometer, oder die Sensorbox sendet es nicht.",
     "live.no_packet": "Seit {silence_s:s} keine Daten von den Sensoren.",
     "live.no_sensor_of_limb": "An diesem Arm oder Bein wird kein Sensor getragen; wählen Sie ein anderes"
     " Körperteil.",
     "live.no_step": "Keine Kalibrierung wartet auf einen Schritt; beginnen Sie eine.",
     "live.not_closed": "Die Sitzung konnte nicht ordentlich beendet werden; was gespeichert ist, ist sicher."
     " Werten Sie sie noch einmal aus.",
-    "live.not_connected": "Mit dieser Sitzung sind keine Sensoren verbunden; starten Sie zuerst das Gateway.",
+    "live.not_connected": "Mit dieser Sitzung sind keine Sensoren verbunden; schalten Sie zuerst die Sensorbox ein.",
     "live.not_evaluated": "Diese Kalibrierung konnte nicht ausgewertet werden; die frühere gilt weiter."
     " Wiederholen Sie sie.",
     "live.not_recording": "Es wird nichts aufgezeichnet.",
     "live.of_sensor": "{place:place}. {what}",
-    "live.other_placements": "Die Sensoren des Gateways sind nicht die der Sitzung ({places:place}); erstellen"
+    "live.other_placements": "Die verbundenen Sensoren sind nicht die der Sitzung ({places:place}); erstellen"
     " Sie die Sitzung für die getragenen Sensoren.",
     "live.pose": "Aufrecht stehen, Arme hängen, Handflächen an den Oberschenkeln, und stillhalten.",
     "live.preparing": "Der Dienst wird für diese Art von Sitzung vorbereitet, was nach einer Installation oder"

@@ -48,7 +48,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " {angle_rad:deg}. Die Winkel von {joints:joint|and} sind danach nicht verlässlich. Befestigen Sie den Sensor neu,"
     " und kalibrieren Sie noch einmal.",
     "session.no_estimator": "Ein Schätzverfahren {unknown:or} gibt es nicht; wählen Sie {known:or}.",
-    "session.no_packets": "Diese Sitzung enthält keine Daten: Es hat sich nie ein Gateway verbunden.",
+    "session.no_packets": "Diese Sitzung enthält keine Daten: Es hat sich nie eine Sensorbox verbunden.",
     "session.no_pose": "Nicht kalibriert, deshalb gibt es keine Gelenkwinkel: Es wurde keine Kalibrierhaltung"
     " aufgezeichnet.",
     "session.no_samples": "Diese Sitzung enthält keine Messwerte.",

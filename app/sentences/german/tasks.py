@@ -31,7 +31,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "limit_scope.service": "in diesem Dienst",
     "limited.exports": "Exporte in Arbeit",
     "limited.sockets": "Offene Live-Ansichten",
-    "limited.streams": "Übertragende Gateways",
+    "limited.streams": "Übertragende Sensorboxen",
     "limited.uploads": "Laufendes Hochladen",
     "limited.views": "Offene 3D-Ansichten",
     "estimator_title.telemotion": "Telemotion",
@@ -70,8 +70,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "format_text.gaitmap": "Sensoren an beiden Füßen, wie die gaitmap-Bibliothek sie schreibt",
     "format_title.instrumented_shoe": "Gang auf Messschuhen (CSV)",
     "format_text.instrumented_shoe": "Inertialsensoren und Kraftmesszellen unter Ferse und Vorfuß",
-    "format_title.packet_log": "Paketprotokoll eines Gateways",
-    "format_text.packet_log": "Wie aus einer Sitzung heruntergeladen oder von einem Gateway gespeichert"
+    "format_title.packet_log": "Paketprotokoll einer Sensorbox",
+    "format_text.packet_log": "Wie aus einer Sitzung heruntergeladen oder von einer Sensorbox gespeichert"
     " (.tmlog)",
     "format_title.pyshoe": "Gang mit einem Fußsensor (PyShoe, .mat)",
     "format_text.pyshoe": "Ein Sensor am rechten Fuß",

@@ -4,7 +4,7 @@ from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "calibration.same_signals": "The sensors on the {where:place} send the same signal, down to the noise: one sensor"
-    " comes under several names. Check how the gateway assigns its sensors to the body, then calibrate again.",
+    " comes under several names. Check how the sensor box assigns its sensors to the body, then calibrate again.",
     "calibration.not_checked": "Not checked by a movement yet: only a calibration by movement shows whether the"
     " sensors turn as the body does.",
     "calibration.too_few_samples": "{where:place}: only {samples:number} usable samples arrived. Rest for at least"

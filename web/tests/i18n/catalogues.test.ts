@@ -17,7 +17,6 @@ const PAIRS: [string, Words, Words][] = [
 const ALIKE = new Set([
   'Arm',
   'Band',
-  'Gateways',
   'Hand',
   'In',
   'Marker',
@@ -113,4 +112,15 @@ it('has each key in one file only: the later of two would silently replace the w
       for (const key of Object.keys(piece)) where.set(key, [...(where.get(key) ?? []), file]);
   expect(where.size).toBeGreaterThan(1000);
   expect([...where].filter(([, found]) => found.length > 1)).toEqual([]);
+});
+
+it.each(PAIRS)('calls it a sensor box in the %s, not a gateway', (_, ...both) => {
+  // These are read by who writes or runs a gateway.
+  const forPrograms = /^(hello|scaled)\.|^sign_in\.device_token_only$/;
+  const found = both.flatMap((words) =>
+    Object.entries(words)
+      .filter(([key]) => !forPrograms.test(key))
+      .flatMap(([key, entry]) => (/gateway/i.test(texts(entry).join(' ')) ? [key] : [])),
+  );
+  expect(found).toEqual([]);
 });

@@ -67,12 +67,12 @@ export const session: Translated<typeof english> = {
 
   'connect.title': 'Warten auf die Sensoren',
   'connect.wear': 'Sensoren anlegen: {places}.',
-  'connect.gateway': 'Schalten Sie das Gateway ein. Es verbindet sich von selbst, wenn es diese Sitzung kennt.',
+  'connect.gateway': 'Schalten Sie die Sensorbox ein. Sie verbindet sich von selbst, wenn sie diese Sitzung kennt.',
   'connect.then': 'Diese Seite geht von selbst weiter, sobald Daten ankommen.',
-  'connect.how': 'Wie ein Gateway verbunden wird',
-  'connect.address': 'Das Gateway öffnet diese Adresse und nennt in seiner ersten Nachricht die Sitzung.',
+  'connect.how': 'Wie eine Sensorbox verbunden wird',
+  'connect.address': 'Die Sensorbox öffnet diese Adresse und nennt in ihrer ersten Nachricht die Sitzung.',
   'connect.addressLabel': 'Adresse und Sitzung',
-  'connect.token': 'Mit seinem eigenen Geräteschlüssel holt sich ein Gateway von selbst ein Ticket.',
+  'connect.token': 'Mit ihrem eigenen Geräteschlüssel holt sich eine Sensorbox von selbst ein Ticket.',
   'connect.makeToken': 'Geräteschlüssel auf der Seite der Person erstellen',
   'connect.ticket':
     'Für einen Versuch von Hand holen Sie ein Ticket: Es öffnet die Verbindung einmal, innerhalb von 30 Sekunden.',
@@ -104,7 +104,7 @@ export const session: Translated<typeof english> = {
   'health.jitterColumn': 'Taktschwankung',
   'health.stored': 'Gespeicherte Pakete',
   'health.missing': 'Fehlende Pakete',
-  'health.skew': 'Uhrabweichung des Gateways',
+  'health.skew': 'Uhrabweichung der Sensorbox',
 
   'live.title': 'Live-Sitzung',
   'live.now': 'Gerade live',
@@ -141,10 +141,10 @@ export const session: Translated<typeof english> = {
   'live.silentHere': 'Diese Seite wartet seit',
   'live.silentFor': 'Still seit',
   'live.linkLostText':
-    'Prüfen Sie, ob das Gateway eingeschaltet und verbunden ist. Diese Seite geht von selbst weiter, wenn Daten ankommen.',
+    'Prüfen Sie, ob die Sensorbox eingeschaltet und verbunden ist. Diese Seite geht von selbst weiter, wenn Daten ankommen.',
   'live.notStored': 'Wird nicht gespeichert',
   'live.notStoredText':
-    'Was die Sensoren jetzt messen, wird nicht gespeichert. Das Gateway behält es und sendet es noch einmal, wenn das Speichern wieder geht. Dauert das länger als eine Minute, unterbrechen Sie die Übung und rufen Sie die Person an, die diesen Dienst betreut.',
+    'Was die Sensoren jetzt messen, wird nicht gespeichert. Die Sensorbox behält es und sendet es noch einmal, wenn das Speichern wieder geht. Dauert das länger als eine Minute, unterbrechen Sie die Übung und rufen Sie die Person an, die diesen Dienst betreut.',
   'live.failed': 'Diese Sitzung ist fehlgeschlagen',
   'live.toReplay': 'Abspielen und vergleichen',
   'event.unnamed': 'Ereignis',

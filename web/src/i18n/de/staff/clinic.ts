@@ -36,7 +36,7 @@ export const clinic: Translated<typeof english> = {
   'clinic.zoneHelp': 'Die Übungswoche beginnt dort am Montag um Mitternacht.',
   'clinic.zoneNotSet': 'Noch nicht gewählt: Es gilt die Einstellung des Dienstes.',
   'clinic.zoneSaved': 'Gespeichert. Die Übungswoche richtet sich jetzt nach dieser Zeitzone.',
-  'clinic.devices': 'Geräteschlüssel von Gateways gehören zu einer Person und stehen auf deren Seite.',
+  'clinic.devices': 'Geräteschlüssel von Sensorboxen gehören zu einer Person und stehen auf deren Seite.',
 
   'account.title': 'Mein Konto',
   'account.password': 'Passwort ändern',

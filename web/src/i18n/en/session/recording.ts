@@ -64,12 +64,12 @@ export const session = {
 
   'connect.title': 'Waiting for the sensors',
   'connect.wear': 'Put the sensors on: {places}.',
-  'connect.gateway': 'Switch on the gateway. It connects automatically when it knows this session.',
+  'connect.gateway': 'Switch on the sensor box. It connects automatically when it knows this session.',
   'connect.then': 'This page continues automatically as soon as data arrives.',
-  'connect.how': 'How to connect a gateway',
-  'connect.address': 'The gateway opens this address and names the session in its first message.',
+  'connect.how': 'How to connect a sensor box',
+  'connect.address': 'The sensor box opens this address and names the session in its first message.',
   'connect.addressLabel': 'Address and session',
-  'connect.token': 'With its own device token a gateway obtains a ticket automatically.',
+  'connect.token': 'With its own device token a sensor box obtains a ticket automatically.',
   'connect.makeToken': 'Create a device token on the patient’s page',
   'connect.ticket': 'For a manual test, get a ticket: it opens the socket once, within 30 seconds.',
   'connect.makeTicket': 'Get a ticket',
@@ -100,7 +100,7 @@ export const session = {
   'health.jitterColumn': 'Jitter',
   'health.stored': 'Packets stored',
   'health.missing': 'Packets missing',
-  'health.skew': 'Clock error of the gateway',
+  'health.skew': 'Clock error of the sensor box',
 
   'live.title': 'Live session',
   'live.now': 'Live now',
@@ -137,10 +137,10 @@ export const session = {
   'live.silentHere': 'This page has waited for',
   'live.silentFor': 'Silent for',
   'live.linkLostText':
-    'Check that the gateway is on and connected. This page continues automatically when data arrives.',
+    'Check that the sensor box is on and connected. This page continues automatically when data arrives.',
   'live.notStored': 'Not being stored',
   'live.notStoredText':
-    'What the sensors measure now is not being stored. The gateway keeps it and sends it again when storing works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
+    'What the sensors measure now is not being stored. The sensor box keeps it and sends it again when storing works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
   'live.failed': 'This session failed',
   'live.toReplay': 'Replay and compare',
   'event.unnamed': 'Event',

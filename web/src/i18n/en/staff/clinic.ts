@@ -32,7 +32,7 @@ export const clinic = {
   'clinic.zoneHelp': 'The week of exercises begins on Monday at midnight there.',
   'clinic.zoneNotSet': 'Not chosen yet: the setting of the service applies.',
   'clinic.zoneSaved': 'Saved. The week of exercises follows this time zone now.',
-  'clinic.devices': 'Device tokens of gateways belong to a patient and are found on the patient’s page.',
+  'clinic.devices': 'Device tokens of sensor boxes belong to a patient and are found on the patient’s page.',
 
   'account.title': 'My account',
   'account.password': 'Change password',
