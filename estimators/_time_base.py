@@ -9,6 +9,8 @@ ON_THE_TICK = 0.05
 """A sensor whose samples all lie this close to ticks (in ticks) is even: it is taken as it is."""
 _GAP_FACTOR = 1.5
 """Samples farther apart than this many usual intervals have lost something between them."""
+_LEAST_SPACING = 0.5
+"""Of a usual interval: samples that lie closer have a slope of noise, whatever divides it."""
 _AVERAGING_FACTOR = 1.5
 """A sensor this much faster than the ticks is averaged over each tick instead of picked at it."""
 
@@ -69,12 +71,13 @@ class TimeBase:
         last = self.position.size - 1
         earlier, later = np.maximum(left - 1, 0), np.minimum(right + 1, last)
         length = (self.position[right] - self.position[left])[:, None]
-        longest = _GAP_FACTOR * float(np.median(np.diff(self.position)))
+        usual = float(np.median(np.diff(self.position)))
+        shortest, longest = _LEAST_SPACING * usual, _GAP_FACTOR * usual
 
         def slope(first: NDArray[np.intp], second: NDArray[np.intp]) -> Float:
-            """Of the samples beside the gap, unless that is the end of the record or another gap."""
+            """Of the samples beside the gap, unless that is the end of the record, another gap, or they coincide."""
             apart = (self.position[second] - self.position[first])[:, None]
-            known = (apart > 0.0) & (apart <= longest)
+            known = (apart >= shortest) & (apart <= longest)
             return np.where(known, (values[second] - values[first]) / np.where(known, apart, 1.0), np.nan)
 
         share = (self.at[self.bridged][:, None] - self.position[left][:, None]) / length

@@ -107,7 +107,7 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
         written.parent.mkdir(parents=True, exist_ok=True)
         written.write_text(as_json(guess) + "\n", "utf-8")
     if guess.missing:
-        needs_rate = any(one.code == "guess.no_time" for one in guess.missing)
+        needs_rate = any(one.code in {"guess.no_time", "guess.counter_needs_rate"} for one in guess.missing)
         options = " Give the rate with --rate." if needs_rate else ""
         complete = (
             f"Complete {written} and pass it"

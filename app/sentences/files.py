@@ -116,6 +116,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "table.no_rows": "The file has a header but no rows.",
     "table.too_long": "The file holds more than {rows:number} rows for {columns:number} columns; split it into"
     " shorter recordings.",
+    "table.not_a_number_in_line": "Line {line:number}: the value in the column {column} is not a number; the columns of"
+    " the mapping must hold numbers only.",
     "table.not_a_number": "A value in the column {column} is not a number; the columns of the mapping must"
     " hold numbers only.",
     "table.ragged": "Many rows have another number of columns than the header; the file is damaged.",

@@ -17,8 +17,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "{count:number} rows have no time and are left out.",
     },
     "time.repeated": {
-        "one": "A row has the time of the row before; it is set apart from it.",
-        "other": "{count:number} rows have the time of the row before; they are set apart from it.",
+        "one": "A row has the time of the row before, or nearly; it is placed between its neighbours.",
+        "other": "{count:number} rows have the time of the row before, or nearly; they are placed between their"
+        " neighbours.",
     },
     "time.row_twice": {
         "one": "A row was written twice; the second one is left out.",
@@ -37,6 +38,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "one": "The times of day have no date and pass midnight once; the next day is assumed there.",
         "other": "The times of day have no date and pass midnight {count:number} times; the next day is assumed at"
         " each.",
+    },
+    "time.hour_passed": {
+        "one": "The times are minutes and seconds and pass the hour once; the next hour is assumed there.",
+        "other": "The times are minutes and seconds and pass the hour {count:number} times; the next hour is assumed at"
+        " each.",
+    },
+    "table.header_again": {
+        "one": "The names of the columns stand again in line {line:number}, as after a restart of a logger; that line"
+        " is left out.",
+        "other": "The names of the columns stand again in {count:number} lines, the first one line {line:number}, as"
+        " after restarts of a logger; these lines are left out.",
     },
     "time.clock_changed": {
         "one": "The times have no zone and jump by one hour at a full hour: the clock is taken to have been put forward"
@@ -57,6 +69,16 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.no_gravity": "The columns {columns:and} hold acceleration without gravity; export what the accelerometer"
     " measured.",
     "guess.left_out": "Not used: {columns:and}.",
+    "time.counter_holes": {
+        "one": "By the counter a sample is missing; there is a hole in time there.",
+        "other": "By the counter {count:number} samples are missing; there are holes in time there.",
+    },
+    "guess.counter": "{column} counts the samples, at {rate_hz:hz.1}; where it jumps, samples are missing.",
+    "guess.counter_needs_rate": "No column is a time; {column} counts the samples. Give the rate.",
+    "guess.rate_left": "A line above the table, or you, said {said_hz:hz}; by {column} the rows come at"
+    " {rate_hz:hz}. The column was taken.",
+    "guess.rows_counted": "No column is a time: the rows are taken to follow each other at {rate_hz:hz}. Rows"
+    " that are missing would not be noticed.",
     "guess.no_time": "No column is a time and no line above the table says a rate; give the rate.",
     "guess.no_place": "These columns do not say where on the body the sensor is: {columns:and}.",
     "guess.foot_side": "The table does not say which foot it is of; the right one is assumed.",

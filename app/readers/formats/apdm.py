@@ -81,7 +81,7 @@ def read_apdm(path: Path) -> Recording:
     RecordingFormatError
         Columns are missing, values are no numbers, time does not advance, or a unit cannot be right.
     """
-    from app.readers.tables.columns import read_table
+    from app.readers.tables.body import read_table
     from app.readers.tables.time_mended import mended
 
     head = head_of_file(path, ",")
@@ -92,7 +92,7 @@ def read_apdm(path: Path) -> Recording:
     factor = UNIT_FACTORS.get(time.partition(" ")[2])
     if factor is None:
         raise RecordingFormatError(say("file.no_column", column="Time s"))
-    table, left_out = read_table(path, [time, *found], head)
+    table, notes = read_table(path, [time, *found], head)
     values = np.stack([table[name] for name in found], axis=1)
     stamps = mended(table[time], factor, values)
     columns = dict(zip(found, values[stamps.rows].T, strict=True))
@@ -103,7 +103,6 @@ def read_apdm(path: Path) -> Recording:
         # Two labels of one placement: the second is a single sensor's name.
         name = label if name in sensors else name
         sensors[name] = _sensor(label, columns, stamps.time_s, rate_hz)
-    notes = (say("table.rows_left_out", count=left_out),) if left_out else ()
     about = {"format": "apdm", **as_metadata(float(table[time][0]) * factor)}
     return Recording(sensors, rate_hz, origin="APDM recording", metadata=about, notes=(*notes, *stamps.notes))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
-from app.readers.tables.columns import MAX_VALUES
+from app.readers.tables.body import MAX_VALUES
 from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import SIDES

@@ -10,7 +10,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from app.readers.tables.clock import CLOCK
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import (
     Named,
@@ -18,10 +17,8 @@ from app.readers.tables.names import (
     named,
     placement_of,
     side_of,
-    time_unit_of,
-    words_of,
 )
-from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
+from app.readers.tables.time_guess import guess_time
 from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
 from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
@@ -29,29 +26,6 @@ from estimators.conventions import PLACEMENTS
 PipelineName = Literal["arm", "gait", "orientation"]
 SINGLE: Final = "imu"
 """What a sensor is called whose table does not name it."""
-_TIME: Final = frozenset(
-    {
-        "time",
-        "t",
-        "timestamp",
-        "timestamps",
-        "seconds",
-        "second",
-        "secs",
-        "elapsed",
-        "zeit",
-        "zeitstempel",
-        "millis",
-    }
-    | {"micros", "datetime"}
-)
-_NO_TIME: Final = frozenset({"fine", "utc", "date"})
-"""Ticks of an unknown length, and clocks that need a calendar."""
-_COUNTED: Final = re.compile(r"^(column [0-9]+|index|sensor axis|nr|no|id)$", re.IGNORECASE)
-_RATE: Final = re.compile(
-    r"(?:rate|frequency|freq\w*|\bfs\b)[^0-9\n]{0,20}([0-9]+(?:[.,][0-9]+)?)|([0-9]+(?:[.,][0-9]+)?)\s*Hz\b",
-    re.IGNORECASE,
-)
 _DEFAULT: Final = {"gyroscope": "rad/s", "accelerometer": "m/s^2", "magnetometer": "uT"}
 
 
@@ -113,19 +87,16 @@ def guess_of_head(
         missing.append(say("table.no_rows"))
     elif not triples:
         missing.append(_why_none(head, left_out))
-    time, unit, found_rate = _time(head, body, {column for one in triples for column in one.columns})
-    if rate_hz is not None and time is None:
-        found_rate = rate_hz
-    if time is None and found_rate is None:
-        missing.append(say("guess.no_time"))
-    step_s = _step_s(body, time, unit) if time else (1.0 / found_rate if found_rate else None)
-    known = [_with_unit(body, one, triples, step_s, notes, missing) for one in triples]
+    time = guess_time(head, body, {column for one in triples for column in one.columns}, rate_hz)
+    notes += time.notes
+    missing += time.missing
+    known = [_with_unit(body, one, triples, time.step_s, notes, missing) for one in triples]
     triples = [one for one in known if one is not None]
     signals, chosen = _placed(triples, name, pipeline, notes, missing)
     mapping = {
-        "time_column": time,
-        "time_unit": unit,
-        "rate_hz": found_rate,
+        "time_column": time.column,
+        "time_unit": time.unit,
+        "rate_hz": time.rate_hz,
         "delimiter": head.delimiter,
         "signals": signals,
     }
@@ -135,8 +106,12 @@ def guess_of_head(
 def _triples(columns: tuple[str, ...]) -> list[Triple]:
     """Group columns whose names differ in the axis only."""
     plain = [named(column) for column in columns]
-    if not any(one is not None and one.quantity for one in plain):
-        plain = [named(column, letters=True) for column in columns]
+    said = {one.quantity for one in plain if one is not None}
+    for place, column in enumerate(columns):
+        # A letter alone is what no word of the table is: `ax` beside `magx`.
+        found = named(column, letters=True)
+        if found is not None and found.quantity not in said:
+            plain[place] = found
     groups: dict[tuple[str, ...], dict[str, tuple[str, Named]]] = defaultdict(dict)
     for column, one in zip(columns, plain, strict=True):
         if one is not None and one.quantity:
@@ -195,61 +170,6 @@ def _why_none(head: TableHead, left_out: list[Triple]) -> Sentence:
     if orientation:
         return say("guess.orientation_only", columns=orientation[:9])
     return say("guess.no_signal")
-
-
-def _time(head: TableHead, body: Body, signals: set[str]) -> tuple[str | None, str, float | None]:
-    """Return the time column with its unit, or the rate that a line above the table says."""
-    said = _RATE.search("\n".join(head.preamble))
-    rate_hz = float((said[1] or said[2]).replace(",", ".")) if said else None
-    if rate_hz is not None and not LOWEST_HZ <= rate_hz <= HIGHEST_HZ:
-        rate_hz = None
-    others = [column for column in head.columns if column not in signals]
-    by_name = [c for c in others if _TIME & set(words_of(c)) and not _NO_TIME & set(words_of(c))]
-    unnamed = [c for c in others[:1] if _COUNTED.match(c)]
-    by_name.sort(key=lambda column: not time_unit_of(column))
-    for column in (*by_name, *unnamed):
-        values = body.numbers(column)[:, 0]
-        steps = np.diff(values[np.isfinite(values)])
-        if steps.size < 1 or not (steps >= 0).mean() > 0.5 or not (steps > 0).any():
-            continue
-        # Coarse stamps repeat: what counts is how far they get with each row.
-        usual = float(np.median(steps)) or float(steps[steps > 0].sum() / steps.size)
-        fitting = units_of(usual)
-        if column in unnamed and (not fitting or (usual == round(usual) and fitting[0] != "s")):
-            # A number of the row.
-            continue
-        written = time_unit_of(column)
-        unit = written if written in fitting or (written and not fitting) else (fitting or ["s"])[0]
-        if rate_hz is not None and not 0.8 < rate_hz * usual * UNIT_FACTORS[unit] < 1.25:
-            # Not the clock of the samples.
-            continue
-        return column, unit, None
-    if clock := _clock_column(others, body, rate_hz):
-        return clock, CLOCK, None
-    if by_name and rate_hz is None and np.isfinite(body.numbers(by_name[0])).any():
-        # Its own refusal says more than that there is none.
-        return by_name[0], time_unit_of(by_name[0]) or "s", None
-    return None, "s", rate_hz
-
-
-def _clock_column(columns: list[str], body: Body, rate_hz: float | None) -> str | None:
-    """Return the first column of times of day that advance, by its content; a said rate must agree with it."""
-    for column in columns:
-        times = body.times(column, CLOCK)
-        steps = np.diff(times[np.isfinite(times)])
-        if 2 * steps.size < times.size - 1 or not (steps > 0).any() or (steps < 0).mean() > 0.5:
-            continue
-        usual = float(steps[steps > 0].sum() / steps.size)
-        if rate_hz is None or 0.8 < rate_hz * usual < 1.25:
-            return column
-    return None
-
-
-def _step_s(body: Body, column: str, unit: str) -> float | None:
-    steps = np.diff(body.times(column, unit))
-    steps = steps[np.isfinite(steps)]
-    usual = float(np.median(steps)) if steps.size else 0.0
-    return usual * UNIT_FACTORS.get(unit, 1.0) if usual > 0.0 else None
 
 
 def _with_unit(

@@ -12,7 +12,7 @@ _WORDS: Final = (
         "gyroscope",
         re.compile(r"gyr|omega|angular|ang ?vel|rot(ation)? ?rate|turn ?rate|drehrate|winkelgeschw"),
     ),
-    ("accelerometer", re.compile(r"acc|specific ?force|acel|beschl")),
+    ("accelerometer", re.compile(r"acc|specific ?force|g ?force|acel|beschl")),
     ("magnetometer", re.compile(r"mag(?!nitude)|field|magnetfeld")),
 )
 _LETTERS: Final = {
@@ -24,7 +24,7 @@ _LETTERS: Final = {
 }
 """What stands alone before an axis in the tables of small programs: `ax`, `gx`, `mx`."""
 _OF_QUANTITIES: Final = re.compile(
-    r"^(gyr.*|omega|angular|ang|vel.*|rot.*|rate|turn|drehrate|winkelgeschw.*|acc.*|acel.*|beschl.*|specific|force"
+    r"^(gyr.*|omega|angular|ang|vel.*|rot.*|rate|turn|drehrate|winkelgeschw.*|acc.*|acel.*|beschl.*|specific|g?force"
     r"|mag.*|field)$"
 )
 _FILLERS: Final = frozenset({"cal", "calibrated", "raw", "ln", "wr", "value", "data", "axis", "achse"})
@@ -33,13 +33,14 @@ _NO_GRAVITY: Final = frozenset({"free", "linear", "lin", "user", "dynamic"})
 _ORIENTATION: Final = re.compile(r"^(mat|q(uat.*)?|euler|roll|pitch|yaw)$")
 _UNITS: Final[dict[str, dict[str, str]]] = {
     "gyroscope": {
-        "deg/s": r"deg(rees)?/s(ec)?|degps|degs|dps|deg\.?s-1|deg s-1",
-        "rad/s": r"rad/s(ec)?|radps|rads|rad\.?s-1|rad s-1",
+        "deg/s": r"deg(rees?)?(/| per )s(ec(ond)?)?|degps|degs|dps|deg\.?s-1|deg s-1",
+        "rad/s": r"rad(ians?)?(/| per )s(ec(ond)?)?|radps|rads|rad\.?s-1|rad s-1",
         "mdps": r"mdps|mdeg/s",
     },
     "accelerometer": {
-        "m/s^2": r"m/s(ec)?2|m/s/s|mps2|ms2|m\.?s-2|m s-2",
-        "g": r"gn?",
+        "m/s^2": r"m/s(ec)?2|m/s/s|mps2|ms2|m\.?s-2|m s-2"
+        r"|met(er|re)s?(/| per )s(ec(ond)?)?( ?(2|squared)|(/| per )s(ec(ond)?)?)",
+        "g": r"gn?|gs|g-?force",
         "mg": r"mgn?",
     },
     "magnetometer": {
@@ -55,7 +56,10 @@ _UNITS: Final[dict[str, dict[str, str]]] = {
         "us": r"us|usec|micros|microseconds?",
         "ns": r"ns|nsec|nanos|nanoseconds?",
     },
-    "none": {"": r"counts?|lsb|raw|a\.?u\.?|local_flux\*?|no unit"},
+    "none": {
+        "": r"counts?|cnt|lsb|bits?|digits?|adc|ticks?|raw|a\.?u\.?|n\.?u\.?|arb\.?( ?u(nits?)?\.?)?|local_flux\*?"
+        r"|no unit"
+    },
 }
 _TAIL: Final = re.compile(
     r"[\s_(\[{,;:]+("
@@ -63,6 +67,10 @@ _TAIL: Final = re.compile(
     + r")[\s)\]}]*$",
     re.IGNORECASE,
 )
+_QUOTIENT: Final = re.compile(r"\s*[\[(][A-Za-z]{1,12}[/*][^\[\]()]{1,12}[\])]\s*$")
+"""In brackets what is divided by something is a unit, whichever."""
+_G_FORCE: Final = re.compile(r"(?<![A-Za-z])g[Ff](?=[ _]?[XYZxyz](?![A-Za-z]))")
+"""`gFx`: specific force in multiples of gravity."""
 _REPEATED: Final = re.compile(r" \([0-9]+\)$")
 """As `_table_head` numbers repeated names."""
 _PLACES: Final = (
@@ -131,7 +139,7 @@ def named(column: str, *, letters: bool = False) -> Named | None:
         quantity,
         (*words, number),
         "_".join([*mine, *re.findall(r"[0-9]+", number)]),
-        next((unit for one in written if (unit := unit_of(one, quantity))), ""),
+        next((unit for one in written if (unit := unit_of(one, quantity))), "g" if "gforce" in words else ""),
         not (_NO_GRAVITY & set(words)),
     )
 
@@ -194,15 +202,17 @@ def is_orientation(column: str) -> bool:
 
 def _without_units(text: str) -> tuple[str, list[str]]:
     """Return a name without the units at its end, and those, the last one first."""
-    plain = text.replace("²", "2").replace("^", "").replace("°", "deg").replace("·", ".")
-    plain = re.sub("[µμ]", "u", plain).replace("(s2)", "s2")
+    plain = text.replace("²", "2").replace("^", "").replace("**", "").replace("·", ".")
+    # Keyboards have the ordinal sign and the ring where the degree sign is wanted.
+    plain = re.sub("[µμ]", "u", re.sub("[°º˚]", "deg", plain)).replace("(s2)", "s2")
+    plain = _G_FORCE.sub("gforce ", plain)
     written: list[str] = []
     while len(written) < 3 and (tail := _TAIL.search(plain)):
         if tail[1].lower() in AXES or not plain[: tail.start()].strip():
             break
         written.append(tail[1].lower())
         plain = plain[: tail.start()]
-    return plain, written
+    return _QUOTIENT.sub("", plain), written
 
 
 def _quantity(words: list[str], *, letters: bool) -> str:

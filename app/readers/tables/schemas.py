@@ -18,6 +18,9 @@ class _Column(Schema):
     """What a sensor is called in the table: tells those without placement apart."""
     quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
     columns: list[str] = Field(min_length=3, max_length=3)
+    """x, y and z in the frame of the sensor; `-name` where the axis points the other way and no column is called so."""
+    sign: Literal[1, -1] = 1
+    """-1 where all three have the other sign: an accelerometer that gives gravity instead of specific force."""
 
 
 class CsvColumn(_Column):
@@ -35,8 +38,9 @@ class GuessedColumn(_Column):
 
 class _Mapping(Schema):
     time_column: str | None = None
-    time_unit: Literal["s", "ms", "us", "ns", "clock"] = "s"
-    """`clock`: text with a time of day, with or without a date and a zone."""
+    time_unit: Literal["s", "ms", "us", "ns", "clock", "count"] = "s"
+    """`clock`: text with a time of day, with or without a date and a zone. `count`: a counter that takes its usual step
+    `rate_hz` times in a second; a hole in it is a hole in time."""
     rate_hz: float | None = Field(default=None, gt=0)
     delimiter: Literal[",", ";", "\t", "|", " "] | None = None
     """What stands between the columns; a blank for any number of blanks; None to have it found."""

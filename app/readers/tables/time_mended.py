@@ -15,12 +15,16 @@ from app.sentences import Sentence, say
 from estimators.recording import Float
 
 APART_S: Final = 1e-6
-"""Samples that arrived together carry one stamp; they are all real and follow each other this closely."""
+"""Of samples that all carry one stamp: nothing says how far they are apart."""
+LEAST_SPACING: Final = 0.5
+"""Of a usual interval: samples that follow closer arrived together, and were not measured so."""
+_LONGEST_BURST_S: Final = 0.5
+"""Packets that hold several samples come more often than this; what is longer is a pause."""
+_FEW_PAUSES: Final = 200
+"""Of so many steps one may be a pause, which says nothing of the rate."""
 BREAK_S: Final = 1.0
 """Between two stretches of a clock that started again: how long the pause was is not known, but too long to bridge."""
 _MOST_SHARE: Final = 0.1
-_OFTEN: Final = 0.02
-"""A larger share of repeated stamps is a clock too coarse for the rate: the samples are spread evenly."""
 _WRAPS: Final = (2.0**16, 2.0**24, 2.0**32)
 _NEAR_WRAP: Final = 20.0
 """In steps: so far from its end may the last stamp of a counter be that starts again at zero."""
@@ -92,49 +96,90 @@ def mended(column: Float, factor: float, values: Float | None = None) -> MendedT
             say("time.hopeless", count=column.size - rows.size, rows=column.size),
             count=column.size - rows.size,
         )
-    repeated = int((np.diff(time) == 0).sum())
+    time, repeated = spaced(time)
     if repeated:
         notes.append(say("time.repeated", count=repeated))
-        time = spread(time) if repeated > _OFTEN * time.size else apart(time)
     return MendedTime(time - time[0] if time.size else time, rows, tuple(notes))
 
 
-def apart(time_s: Float) -> Float:
-    """Set samples with one and the same stamp a microsecond apart.
+def spaced(time_s: Float) -> tuple[Float, int]:
+    """Give samples that share a stamp, or nearly do, their places between their neighbours.
 
     Parameters
     ----------
     time_s : ndarray, shape (N,)
         Never falling.
+
+    Returns
+    -------
+    time_s : ndarray, shape (N,)
+        Rising; where there is room no two are closer than half a usual interval.
+    count : int
+        How many samples came less than that after the one before.
+
+    Notes
+    -----
+    Stamps are often those of the arrival: samples that were measured evenly arrive together. The gap that their number
+    fits says whether they are late (it lies before them) or the stamp is that of the first (it lies behind). Where
+    most share a stamp the clock is coarser than the rate, or packets hold several samples: each fills the way to the
+    next stamp.
     """
-    return np.asarray(time_s + APART_S * _places(time_s)[0])
+    if time_s.size < 3:
+        return time_s, 0
+    usual = usual_interval(time_s)
+    starts = np.flatnonzero(np.append(True, np.diff(time_s) >= LEAST_SPACING * usual))
+    length = np.diff(np.append(starts, time_s.size))
+    count = int(time_s.size - starts.size)
+    if not count:
+        return time_s, 0
+    if 2 * int(length[length > 1].sum()) > time_s.size:
+        return _spread(time_s, starts, length), count
+    found = time_s.copy()
+    for place in np.flatnonzero(length > 1).tolist():
+        first, size = int(starts[place]), int(length[place])
+        last = first + size - 1
+        before = (time_s[last] - found[first - 1]) / size if first else 0.0
+        behind = (time_s[last + 1] - time_s[first]) / size if last + 1 < time_s.size else usual
+        at = np.arange(size)
+        if max(before, behind) < LEAST_SPACING * usual and first and last + 1 < time_s.size:
+            step = (time_s[last + 1] - found[first - 1]) / (size + 1)
+            found[first : last + 1] = found[first - 1] + step * (at + 1)
+        elif abs(before - usual) < abs(behind - usual):
+            found[first : last + 1] = time_s[last] - min(before, usual) * at[::-1]
+        else:
+            found[first : last + 1] = time_s[first] + min(behind, usual) * at
+    return found, count
 
 
-def spread(time_s: Float) -> Float:
-    """Spread samples with one and the same stamp evenly up to the next stamp.
+def usual_interval(time_s: Float) -> float:
+    """Return the time from one sample to the next, pauses left out.
 
     Parameters
     ----------
     time_s : ndarray, shape (N,)
-        Never falling; for stamps that are coarser than the samples.
+        Never falling.
+
+    Notes
+    -----
+    The median of the steps, unless most of them are much shorter than what a row takes in the mean: then rows come in
+    bursts, and it is the mean that says how many were measured in a second.
     """
-    place, run = _places(time_s)
-    ends = np.append(np.flatnonzero(np.diff(time_s) > 0) + 1, time_s.size)
-    following = ends[np.searchsorted(ends, np.arange(time_s.size), side="right")]
-    whole = following < time_s.size
-    to_next = np.zeros(time_s.size)
-    to_next[whole] = time_s[following[whole]] - time_s[whole]
+    steps = np.sort(np.diff(time_s))
+    usual = steps[: max(1, steps.size - 1 - steps.size // _FEW_PAUSES)]
+    usual = usual[usual <= _LONGEST_BURST_S]
+    mean, rising = float(usual.mean()) if usual.size else 0.0, steps[steps > 0]
+    middle = float(np.median(rising)) if rising.size else 0.0
+    return middle if mean <= 0.0 or LEAST_SPACING * mean <= middle <= mean / LEAST_SPACING else mean
+
+
+def _spread(time_s: Float, starts: NDArray[np.intp], length: NDArray[np.intp]) -> Float:
+    """Spread groups of samples evenly, each from its first stamp up to that of the next group."""
+    to_next = np.append(np.diff(time_s[starts]), np.nan) / length
     # A pause after the last of them is no time in which they were measured.
-    usual = float(np.median(to_next[whole] / run[whole])) if whole.any() else APART_S
-    each = np.minimum(np.where(whole, to_next / run, usual), 2.0 * usual)
-    return np.asarray(time_s + place * each)
-
-
-def _places(time_s: Float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return for each sample which of those with its stamp it is, and how many there are."""
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(time_s) != 0) + 1])
-    length = np.diff(np.append(starts, time_s.size))
-    return np.arange(time_s.size) - np.repeat(starts, length), np.repeat(length, length)
+    usual = float(np.nanmedian(to_next)) if starts.size > 1 else APART_S
+    each = np.minimum(np.where(np.isfinite(to_next), to_next, usual), 2.0 * usual)
+    place = np.arange(time_s.size) - np.repeat(starts, length)
+    return np.asarray(np.repeat(time_s[starts], length) + place * np.repeat(each, length))
 
 
 def _usual_step(time: Float) -> float:
@@ -176,4 +221,4 @@ def _in_order(time: Float) -> NDArray[np.bool_]:
     return np.asarray(stays & (time >= latest))
 
 
-__all__ = ["APART_S", "BREAK_S", "MendedTime", "apart", "mended", "spread"]
+__all__ = ["BREAK_S", "LEAST_SPACING", "MendedTime", "mended", "spaced", "usual_interval"]

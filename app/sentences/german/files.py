@@ -203,6 +203,13 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Sie in einer Zuordnung an, welche Spalte was ist.",
     "guess.no_place": "Diese Spalten sagen nicht, wo am Körper der Sensor sitzt: {columns:and}.",
     "guess.no_signal": "Keine drei Spalten sind als x, y und z einer Drehrate oder Beschleunigung benannt.",
+    "guess.counter": "{column} zählt die Messwerte, mit {rate_hz:hz.1}; wo der Zähler springt, fehlen"
+    " Messwerte.",
+    "guess.counter_needs_rate": "Keine Spalte ist eine Zeit; {column} zählt die Messwerte. Geben Sie die Rate an.",
+    "guess.rate_left": "Eine Zeile über der Tabelle, oder Sie, sagten {said_hz:hz}; nach {column} kommen die"
+    " Zeilen mit {rate_hz:hz}. Die Spalte wurde genommen.",
+    "guess.rows_counted": "Keine Spalte ist eine Zeit: Die Zeilen folgen einander, so die Annahme, mit"
+    " {rate_hz:hz}. Fehlende Zeilen fielen nicht auf.",
     "guess.no_time": "Keine Spalte ist eine Zeit, und keine Zeile über der Tabelle nennt eine Rate; geben Sie"
     " die Rate an.",
     "guess.no_unit": "Die Spalten {columns:and} nennen keine Einheit, und mit einer Größe von {size:number~3}"

@@ -49,6 +49,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "table.no_column": "In der Datei fehlt die Spalte {missing:and}. Sie hat: {present}. Berichtigen Sie die"
     " Zuordnung.",
     "table.no_rows": "Die Datei hat einen Kopf, aber keine Zeilen.",
+    "table.not_a_number_in_line": "Zeile {line:number}: Der Wert in der Spalte {column} ist keine Zahl; die Spalten der"
+    " Zuordnung dürfen nur Zahlen enthalten.",
     "table.not_a_number": "Ein Wert in der Spalte {column} ist keine Zahl; die Spalten der Zuordnung dürfen nur"
     " Zahlen enthalten.",
     "table.not_text": "Die Datei ist kein Text: Sie enthält Bytes, die keine Tabelle hat. Speichern Sie sie als"
@@ -115,9 +117,26 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "one": "Die Zeit einer Zeile liegt hinter der einer früheren; sie ist weggelassen.",
         "other": "Die Zeit von {count:number} Zeilen liegt hinter der einer früheren; sie sind weggelassen.",
     },
+    "time.counter_holes": {
+        "one": "Nach dem Zähler fehlt ein Messwert; dort ist eine Lücke in der Zeit.",
+        "other": "Nach dem Zähler fehlen {count:number} Messwerte; dort sind Lücken in der Zeit.",
+    },
+    "time.hour_passed": {
+        "one": "Die Zeiten sind Minuten und Sekunden und gehen einmal über die volle Stunde; dort wird die nächste"
+        " Stunde angenommen.",
+        "other": "Die Zeiten sind Minuten und Sekunden und gehen {count:number}-mal über die volle Stunde; dort wird"
+        " jeweils die nächste Stunde angenommen.",
+    },
+    "table.header_again": {
+        "one": "Die Namen der Spalten stehen in Zeile {line:number} noch einmal, wie nach einem Neustart der"
+        " Aufzeichnung; diese Zeile wird ausgelassen.",
+        "other": "Die Namen der Spalten stehen in {count:number} Zeilen noch einmal, zuerst in Zeile {line:number}, wie"
+        " nach Neustarts der Aufzeichnung; diese Zeilen werden ausgelassen.",
+    },
     "time.repeated": {
-        "one": "Eine Zeile hat die Zeit der Zeile davor; sie ist davon abgerückt.",
-        "other": "{count:number} Zeilen haben die Zeit der Zeile davor; sie sind davon abgerückt.",
+        "one": "Eine Zeile hat die Zeit der vorigen, oder fast; sie bekommt ihren Platz zwischen ihren Nachbarn.",
+        "other": "{count:number} Zeilen haben die Zeit der vorigen, oder fast; sie bekommen ihren Platz zwischen ihren"
+        " Nachbarn.",
     },
     "time.row_twice": {
         "one": "Eine Zeile wurde zweimal geschrieben; die zweite ist weggelassen.",

@@ -48,6 +48,8 @@ class Odd:
     has_field : bool
     time_s : ndarray or None
         What the stamps are to be; None: those of the source, from the first row.
+    within_s : float
+        How near they must be.
     """
 
     content: bytes
@@ -58,6 +60,7 @@ class Odd:
     notes: frozenset[str] = frozenset()
     has_field: bool = True
     time_s: np.ndarray | None = None
+    within_s: float = 2e-6
 
 
 def numbers(values: np.ndarray, digits: int = 7) -> list[list[str]]:
@@ -270,12 +273,10 @@ def _times() -> dict[str, Odd]:
     again = np.concatenate([TIME_S[:800], TIME_S[:700]])
     empty = [["" if k in some else row[0], *row[1:]] for k, row in enumerate(rows)]
     after = np.concatenate([TIME_S[:800], TIME_S[799] + 1.0 + TIME_S[:700]])
-    apart = TIME_S.copy()
-    apart[some] = apart[[k - 1 for k in some]] + 1e-6
     sound = np.setdiff1d(np.arange(ROWS), some)
     out_of_order = frozenset({"time.out_of_order"})
     return {
-        "stamps that repeat": stamped(repeated, notes=frozenset({"time.repeated"}), time_s=apart),
+        "stamps that repeat": stamped(repeated, notes=frozenset({"time.repeated"}), time_s=TIME_S),
         "rows written twice": Odd(
             text([PLAIN], [row for k, row in enumerate(rows) for _ in range(1 + (k in some))]).encode(),
             notes=frozenset({"time.row_twice"}),
@@ -424,7 +425,7 @@ def refused_tables() -> dict[str, Refused]:
         "a header only": ((PLAIN + "\n").encode(), "table.no_rows"),
         "one row": (text([PLAIN], rows[:1]).encode(), "file.too_few_rows"),
         "rows of any length": (text([PLAIN], ragged).encode(), "table.ragged"),
-        "words among numbers": (plain.replace(rows[900][3], "broken").encode(), "table.not_a_number"),
+        "words among numbers": (plain.replace(rows[900][3], "broken").encode(), "table.not_a_number_in_line"),
         "time stands still": (text([PLAIN], still).encode(), "time.does_not_advance"),
         "rows in any order": (text([PLAIN], shuffled).encode(), "time.does_not_advance"),
         "one line without end": (b"1," * 200_000, "table.endless_line"),

@@ -22,6 +22,13 @@ from tests.said import codes
         ("10:00:00:123", "10:00:00:133"),
         ("11:59:59.995 am", "12:00:00.005 PM"),
         ("23:59:59.995", "00:00:00.005"),
+        ("11/22/26 23:59:59.995", "11/23/26 00:00:00.005"),
+        ("31-12-26 23:59:59.995", "01-01-27 00:00:00.005"),
+        ("26-12-31 23:59:59.995", "27-01-01 00:00:00.005"),
+        ("9:5:3.995", "9:5:4.005"),
+        ("59:59.995", "00:00.005"),
+        ("5:9.995", "5:10.005"),
+        ("100:59.995", "101:00.005"),
     ],
 )
 def test_the_difference_of_two_times(first, second):
@@ -30,7 +37,7 @@ def test_the_difference_of_two_times(first, second):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "12", "11/22/2026", "11/22/26 10:00:00", "2026-11-22", "10:00", "10:00:00.1.2", "a10:00:00"]
+    "text", ["", "12", "11/22/2026", "11/22/26", "2026-11-22", "10:00", "10:00:00.1.2", "a10:00:00"]
 )
 def test_what_is_no_time_of_day(text):
     assert not is_clock(text)
@@ -74,3 +81,21 @@ def test_a_clock_put_forward_with_its_zone_is_no_jump():
     seconds, notes = seconds_of_clock(["2026-03-29T01:59:59.99+01:00", "2026-03-29T03:00:00.00+02:00"])
     assert np.diff(seconds)[0] == pytest.approx(0.01, abs=1e-9)
     assert notes == ()
+
+
+def test_thousandths_without_leading_zeros_are_no_decimals():
+    seconds, _ = seconds_of_clock([f"10:00:0{k // 1000}:{k % 1000}" for k in range(0, 3000, 7)])
+    np.testing.assert_allclose(np.diff(seconds), 0.007, atol=1e-9)
+
+
+def test_decimals_whose_zeros_at_the_end_are_left_out_stay_decimals():
+    seconds, _ = seconds_of_clock(
+        [f"10:00:{k / 1000:.3f}".rstrip("0").rstrip(".") for k in range(10_005, 30_000, 5)]
+    )
+    np.testing.assert_allclose(np.diff(seconds), 0.005, atol=1e-9)
+
+
+def test_a_passed_hour_of_minutes_and_seconds_is_said():
+    seconds, notes = seconds_of_clock(["59:50.5", "59:59.5", "00:08.5"])
+    np.testing.assert_allclose(seconds - seconds[0], [0.0, 9.0, 18.0], atol=1e-9)
+    assert codes(notes) == ["time.hour_passed"]

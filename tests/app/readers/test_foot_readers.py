@@ -50,10 +50,14 @@ def test_an_xio_walk_keeps_its_stamps(tmp_path):
     found = readers.read(path)
     sensor = found.sensors["foot_right"]
     steps = np.diff(sensor.time_s)
-    np.testing.assert_allclose(steps[100:102], 1e-6, rtol=1e-3)
+    # Their stamps are gone, and there is room for them.
+    np.testing.assert_allclose(steps[99:103], np.median(steps), rtol=0.01)
     content = np.load(FEET / "xio_short_walk.npz")
     once = np.delete(np.arange(3000), 150)
-    np.testing.assert_allclose(sensor.time_s[200:], content["time_s"][once][200:], atol=1e-9)
+    # A sample goes no farther than its neighbours let it, and comes no closer to them than half an interval.
+    usual = np.median(steps)
+    np.testing.assert_allclose(sensor.time_s, content["time_s"][once], atol=1.01 * usual)
+    assert steps.min() > 0.49 * usual
     np.testing.assert_allclose(sensor.gyroscope_radps, content["gyroscope_radps"][once], atol=1e-6)
     assert codes(found.notes) == ["time.row_twice", "time.repeated"]
     np.testing.assert_allclose(np.median(np.linalg.norm(sensor.accelerometer_mps2, axis=1)), G, rtol=0.05)
@@ -73,7 +77,8 @@ def test_an_xio_walk_that_runs_backwards_or_has_holes(tmp_path):
     def late(table):
         table[50, 0] = 0.0
 
-    assert codes(readers.read(xio(tmp_path / "late.csv", late)).notes) == ["time.out_of_order"]
+    said = codes(readers.read(xio(tmp_path / "late.csv", late)).notes)
+    assert said == ["time.out_of_order", "time.repeated"], "its own samples often arrived together"
 
     def backwards(table):
         table[:, 0] = table[::-1, 0]

@@ -184,7 +184,7 @@ def test_an_incomplete_mapping_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_endless_file_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.readers.tables.columns.MAX_VALUES", 1000)
+    monkeypatch.setattr("app.readers.tables.body.MAX_VALUES", 1000)
     with pytest.raises(RecordingFormatError, match="more than 52 rows for 19 columns"):
         readers.read(write_csv(tmp_path / "a.csv", real_recording()), csv=mapping())
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from app import readers
 from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
-from app.readers.tables.columns import read_columns, read_table
+from app.readers.tables.body import read_columns, read_table
 from app.readers.tables.guess import guess_of_head
 from app.readers.tables.head import head_of_file, read_head
 from app.readers.tables.schemas import CsvMapping
@@ -36,8 +36,8 @@ def test_a_table_is_found_and_its_mapping_guessed(name):
 def test_the_whole_table_is_read_from_its_first_row(name):
     head = head_of_file(DATA / name)
     numeric = [c for c, value in zip(head.columns, head.rows[0], strict=True) if value not in ("", "NaN")]
-    table, left_out = read_table(DATA / name, numeric, head)
-    assert left_out == 0
+    table, notes = read_table(DATA / name, numeric, head)
+    assert notes == ()
     for column in numeric:
         first = head.rows[0][head.columns.index(column)].replace(",", ".")
         assert table[column][0] == pytest.approx(float(first))

@@ -3000,6 +3000,12 @@ export interface components {
              */
             sensor?: string;
             /**
+             * Sign
+             * @default 1
+             * @enum {integer}
+             */
+            sign?: 1 | -1;
+            /**
              * Unit
              * @enum {string}
              */
@@ -3034,7 +3040,7 @@ export interface components {
              * @default s
              * @enum {string}
              */
-            time_unit?: "s" | "ms" | "us" | "ns" | "clock";
+            time_unit?: "s" | "ms" | "us" | "ns" | "clock" | "count";
         };
         /**
          * CueDesign
@@ -3693,6 +3699,12 @@ export interface components {
              * @default
              */
             sensor?: string;
+            /**
+             * Sign
+             * @default 1
+             * @enum {integer}
+             */
+            sign?: 1 | -1;
             /** Unit */
             unit: ("rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG") | null;
         };
@@ -3714,7 +3726,7 @@ export interface components {
              * @default s
              * @enum {string}
              */
-            time_unit?: "s" | "ms" | "us" | "ns" | "clock";
+            time_unit?: "s" | "ms" | "us" | "ns" | "clock" | "count";
         };
         /**
          * GuidanceCommandIn

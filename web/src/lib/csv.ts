@@ -24,6 +24,12 @@ export function sensorOf(signal: GuessedColumn): string {
   return signal.placement ?? signal.sensor ?? '';
 }
 
+/** A column of a mapping without its sign: `-acc_z` is `acc_z` turned, unless a column is called so. */
+export function signedColumn(value: string, columns: readonly string[]): { column: string; isTurned: boolean } {
+  const isTurned = value.startsWith('-') && !columns.includes(value);
+  return { column: isTurned ? value.slice(1) : value, isTurned };
+}
+
 /** A placement is chosen once for all signals of a sensor. */
 export function placed(mapping: GuessedMapping, chosen: GuessedColumn, placement: Placement | null): GuessedMapping {
   const isSame = (one: GuessedColumn) =>
@@ -47,7 +53,7 @@ export function mappingProblems(
 )[] {
   const problems = new Set<ReturnType<typeof mappingProblems>[number]>();
   if (mapping.signals.length === 0) problems.add('csv.needSignals');
-  if (!mapping.time_column && !mapping.rate_hz) problems.add('csv.needTime');
+  if ((!mapping.time_column || mapping.time_unit === 'count') && !mapping.rate_hz) problems.add('csv.needTime');
   const seen = new Set<string>();
   for (const signal of mapping.signals) {
     if (!signal.placement && hasPlaces) {
@@ -57,7 +63,7 @@ export function mappingProblems(
     const key = `${sensorOf(signal)}/${signal.quantity}`;
     if (seen.has(key)) problems.add('csv.twice');
     seen.add(key);
-    if (signal.columns.some((column) => !column)) problems.add('csv.needColumns');
+    if (signal.columns.some((column) => !column || column === '-')) problems.add('csv.needColumns');
     if (!signal.unit) problems.add('csv.needUnit');
   }
   for (const sensor of new Set([...seen].map((key) => key.slice(0, key.lastIndexOf('/'))))) {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { GuessedColumn, GuessedMapping } from '../../src/api/types';
-import { BEGINNING_BYTES, beginningOf, complete, mappingProblems, placed } from '../../src/lib/csv';
+import { BEGINNING_BYTES, beginningOf, complete, mappingProblems, placed, signedColumn } from '../../src/lib/csv';
 
 function signal(
   sensor: string,
@@ -36,6 +36,11 @@ describe('what keeps a mapping from being sent', () => {
       ),
     ).toEqual(['csv.needColumns']);
   });
+  it('is a counter without a rate', () => {
+    const counted = mapping(WHOLE, { time_unit: 'count' });
+    expect(mappingProblems(counted, false)).toEqual(['csv.needTime']);
+    expect(mappingProblems({ ...counted, rate_hz: 100 }, false)).toEqual([]);
+  });
   it('is a unit that neither heading nor numbers say', () => {
     const counts = mapping([signal('a', 'gyroscope'), { ...signal('a', 'accelerometer'), unit: null }]);
     expect(mappingProblems(counts, false)).toEqual(['csv.needUnit']);
@@ -63,5 +68,13 @@ describe('the beginning of a file', () => {
     expect(await beginningOf(new Blob(['t,x\n']))).toBe(btoa('t,x\n'));
     const sent = await beginningOf(new Blob([new Uint8Array(BEGINNING_BYTES + 10).fill(255)]));
     expect(atob(sent)).toHaveLength(BEGINNING_BYTES);
+  });
+});
+
+describe('a signed axis', () => {
+  it('is a minus before the name of a column, unless a column is called so', () => {
+    expect(signedColumn('-acc_z', ['acc_z'])).toEqual({ column: 'acc_z', isTurned: true });
+    expect(signedColumn('-acc_z', ['acc_z', '-acc_z'])).toEqual({ column: '-acc_z', isTurned: false });
+    expect(signedColumn('acc_z', ['acc_z'])).toEqual({ column: 'acc_z', isTurned: false });
   });
 });

@@ -4,6 +4,7 @@ import type { GuessedColumn, GuessedMapping, Placement, TablePreview } from '../
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { mappingProblems, placed, type Quantity, type Unit } from '../../lib/csv';
+import { AxisColumn } from './AxisColumn';
 
 const UNITS: Record<Quantity, Unit[]> = {
   gyroscope: ['rad/s', 'deg/s', 'mdps'],
@@ -80,20 +81,32 @@ export function CsvMappingForm({ head, hasPlaces, placements, value, onChange }:
           data={[{ value: FIXED, label: t('csv.fixedRate') }, ...columns]}
           value={value.time_column ?? FIXED}
           onChange={(column) =>
-            onChange({ ...value, time_column: column || null, rate_hz: column ? null : (value.rate_hz ?? 100) })
+            onChange({
+              ...value,
+              time_column: column || null,
+              rate_hz: column && value.time_unit !== 'count' ? null : (value.rate_hz ?? 100),
+            })
           }
         />
-        {value.time_column ? (
+        {value.time_column && (
           <Select
             label={t('csv.timeUnit')}
-            data={(['s', 'ms', 'us', 'ns', 'clock'] as const).map((unit) => ({
+            data={(['s', 'ms', 'us', 'ns', 'clock', 'count'] as const).map((unit) => ({
               value: unit,
               label: t(`csv.unit.${unit}`),
             }))}
             value={value.time_unit ?? 's'}
-            onChange={(unit) => onChange({ ...value, time_unit: unit as GuessedMapping['time_unit'] })}
+            onChange={(unit) =>
+              onChange({
+                ...value,
+                time_unit: unit as GuessedMapping['time_unit'],
+                // The rate of a counter; stamps say their own.
+                ...(value.time_unit === 'count' && { rate_hz: null }),
+              })
+            }
           />
-        ) : (
+        )}
+        {(!value.time_column || value.time_unit === 'count') && (
           <NumberInput
             label={t('csv.rate')}
             suffix=" Hz"
@@ -148,18 +161,16 @@ export function CsvMappingForm({ head, hasPlaces, placements, value, onChange }:
                 <IconTrash size={19} aria-hidden />
               </ActionIcon>
               {AXES.map((axis, position) => (
-                <Select
+                <AxisColumn
                   key={axis}
-                  aria-label={`${name}: ${t('csv.axis', { axis })}`}
-                  leftSection={axis}
-                  title={signal.columns[position] || undefined}
-                  searchable
-                  data={columns}
-                  value={signal.columns[position] || null}
+                  axis={axis}
+                  name={name}
+                  columns={head.columns}
+                  value={signal.columns[position] ?? ''}
                   onChange={(column) =>
                     set(index, {
                       columns: signal.columns.map((one, other) =>
-                        other === position ? (column ?? '') : one,
+                        other === position ? column : one,
                       ) as GuessedColumn['columns'],
                     })
                   }

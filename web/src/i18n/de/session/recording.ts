@@ -496,6 +496,8 @@ export const session: Translated<typeof english> = {
   'csv.unit.us': 'Mikrosekunden',
   'csv.unit.ns': 'Nanosekunden',
   'csv.unit.clock': 'Uhrzeiten als Text',
+  'csv.unit.count': 'Ein Zähler der Messwerte',
+  'csv.turned': 'zeigt in die andere Richtung',
   'csv.rate': 'Messwerte pro Sekunde',
   'csv.placement': 'Platz',
   'csv.quantity': 'Größe',

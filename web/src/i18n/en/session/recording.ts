@@ -480,6 +480,8 @@ export const session = {
   'csv.unit.us': 'Microseconds',
   'csv.unit.ns': 'Nanoseconds',
   'csv.unit.clock': 'Times of day as text',
+  'csv.unit.count': 'A counter of samples',
+  'csv.turned': 'points the other way',
   'csv.rate': 'Samples per second',
   'csv.placement': 'placement',
   'csv.quantity': 'quantity',

@@ -1,0 +1,223 @@
+"""Which column of a table is its clock, and what its head says of the rate.
+
+A column of stamps that rise is the strongest evidence, then text with times of day, then a counter of samples with a
+rate from a person or from the head; rows are counted as time only where nothing else says it. Whatever contradicts the
+choice becomes a note.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from app.readers.tables.clock import CLOCK
+from app.readers.tables.counter import COUNT, unwrapped
+from app.readers.tables.head import TableHead
+from app.readers.tables.names import time_unit_of, words_of
+from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
+from app.readers.tables.time_mended import usual_interval
+from app.readers.tables.units import Body
+from app.sentences import Sentence, say
+from estimators.recording import Float
+
+_TIME: Final = frozenset(
+    {"time", "t", "timestamp", "timestamps", "seconds", "second", "secs", "elapsed", "millis"}
+) | {*("zeit", "zeitstempel", "micros", "datetime")}
+_NO_STAMP: Final = frozenset({"fine", "utc", "date"})
+"""Ticks of an unknown length, and parts of a calendar."""
+_COUNTER: Final = frozenset({"fine", "counter", "packet", "sample", "frame", "seq", "sequence", "count"})
+"""What counts samples, in ticks whose length only a rate says."""
+_COUNTED: Final = re.compile(r"^(column [0-9]+|index|sensor axis|nr|no|id)$", re.IGNORECASE)
+_RATE: Final = re.compile(
+    r"(?:rate|frequency|freq\w*|\bfs\b)[^0-9\n]{0,20}([0-9]+(?:[.,][0-9]+)?)|([0-9]+(?:[.,][0-9]+)?)\s*Hz\b",
+    re.IGNORECASE,
+)
+_OF_SAMPLES: Final = re.compile(
+    r"sampl|update|output|abtast|\bodr\b|\bfs\b|data ?rate|logg|recording", re.IGNORECASE
+)
+_OF_OTHERS: Final = re.compile(
+    r"heart|herz|puls|breath|atem|resp|notch|filter|cut|pass|mains|line freq|netz|baud|bit ?rate|range|band|refresh"
+    r"|screen|bpm|carrier|radio|wifi|ghz|mhz",
+    re.IGNORECASE,
+)
+_TICK_S: Final = (1e-6, 1e-4)
+"""Of fine sample times whose rate nobody says: microseconds, or the ticks of 10 kHz of older devices."""
+_AGREES: Final = (0.8, 1.25)
+
+
+@dataclass(frozen=True)
+class TimeGuess:
+    """The clock of a table.
+
+    Attributes
+    ----------
+    column : str or None
+    unit : str
+        Of `CsvMapping.time_unit`.
+    rate_hz : float or None
+        Of a counter, or of rows that are counted.
+    step_s : float or None
+        Usual time between two rows.
+    notes, missing : tuple of Sentence
+        What was assumed or contradicts; what a person must add.
+    """
+
+    column: str | None = None
+    unit: str = "s"
+    rate_hz: float | None = None
+    step_s: float | None = None
+    notes: tuple[Sentence, ...] = ()
+    missing: tuple[Sentence, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Stamps:
+    column: str
+    unit: str
+    step_s: float
+
+
+def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | None = None) -> TimeGuess:
+    """Find the clock of a table.
+
+    Parameters
+    ----------
+    head : TableHead
+    body : Body
+    signals : set of str
+        Columns of signals: none of them is a clock.
+    rate_hz : float, optional
+        Of the samples, where a person said it.
+    """
+    said_hz = rate_said(head.preamble) if rate_hz is None else rate_hz
+    others = [column for column in head.columns if column not in signals]
+    named = [c for c in others if _TIME & set(words_of(c)) and not (_NO_STAMP | _COUNTER) & set(words_of(c))]
+    named.sort(key=lambda column: not time_unit_of(column))
+    unnamed = [c for c in others[:1] if _COUNTED.match(c)]
+    clocks = [found for c in (*named, *unnamed) if (found := _stamps(body, c, said_hz, is_named=c in named))]
+    if clocks:
+        return _of_stamps(clocks[0], said_hz)
+    if (text := _text_clock(others, body)) is not None:
+        return _of_stamps(text, said_hz)
+    for column in [c for c in others if _COUNTER & set(words_of(c))] + unnamed:
+        if (step := _counted_by(body, column)) is None:
+            continue
+        rate = said_hz or (_rate_of_ticks(step) if "fine" in words_of(column) else None)
+        if rate is not None:
+            note = say("guess.counter", column=column, rate_hz=rate)
+            return TimeGuess(column, COUNT, rate, 1.0 / rate, (note,))
+        if column not in unnamed:
+            return TimeGuess(column, COUNT, missing=(say("guess.counter_needs_rate", column=column),))
+    if named and said_hz is None and np.isfinite(body.numbers(named[0])).any():
+        # Its own refusal says more than that there is none.
+        return TimeGuess(named[0], time_unit_of(named[0]) or "s")
+    if said_hz is None:
+        return TimeGuess(missing=(say("guess.no_time"),))
+    return TimeGuess(None, "s", said_hz, 1.0 / said_hz, (say("guess.rows_counted", rate_hz=said_hz),))
+
+
+def rate_said(lines: Iterable[str]) -> float | None:
+    """Return the rate of the samples that lines above a table say; None where there is none.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        A number of hertz of something else (a filter, a heart) is none.
+    """
+    found: list[tuple[bool, float]] = []
+    for line in lines:
+        of_samples = _OF_SAMPLES.search(line) is not None
+        if _OF_OTHERS.search(line) and not of_samples:
+            continue
+        for said in _RATE.finditer(line):
+            rate = float((said[1] or said[2]).replace(",", "."))
+            if LOWEST_HZ <= rate <= HIGHEST_HZ:
+                found.append((of_samples, rate))
+    return next((rate for strong, rate in found if strong), found[0][1] if found else None)
+
+
+def _of_stamps(clock: _Stamps, said_hz: float | None) -> TimeGuess:
+    notes = []
+    if said_hz is not None and not _AGREES[0] < said_hz * clock.step_s < _AGREES[1]:
+        notes.append(say("guess.rate_left", said_hz=said_hz, column=clock.column, rate_hz=1.0 / clock.step_s))
+    return TimeGuess(clock.column, clock.unit, None, clock.step_s, tuple(notes))
+
+
+def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -> _Stamps | None:
+    """Return a column of numbers that rise as time does; None where it is none."""
+    values = body.numbers(column)[:, 0]
+    values = values[np.isfinite(values)]
+    steps = np.diff(values)
+    if steps.size < 1 or not (steps >= 0).mean() > 0.5 or not (steps > 0).any():
+        return None
+    usual = _usual(values)
+    fitting = units_of(usual)
+    if not is_named and (not fitting or (usual == round(usual) and fitting[0] != "s")):
+        # A number of the row.
+        return None
+    written = time_unit_of(column)
+    said = [u for u in fitting if said_hz and _AGREES[0] < said_hz * usual * UNIT_FACTORS[u] < _AGREES[1]]
+    unit = written if written in fitting or (written and not fitting) else (said or fitting or [""])[0]
+    if not unit:
+        return None
+    return _Stamps(column, unit, usual * UNIT_FACTORS[unit])
+
+
+def _usual(values: Float) -> float:
+    """Return the usual step of stamps in any unit: the median, unless rows come in bursts or repeat their stamp."""
+    steps = np.diff(values)
+    rising = steps[steps >= 0]
+    middle = float(np.median(rising))
+    mean = float(rising.mean())
+    return (
+        middle
+        if middle > 0.5 * mean or (not middle and not mean)
+        else usual_interval_of(values, middle or mean)
+    )
+
+
+def usual_interval_of(values: Float, scale: float) -> float:
+    """Return `usual_interval` of stamps in any unit, in that unit.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+    scale : float
+        About one step; a hundred of them are no pause.
+    """
+    rising = np.maximum.accumulate(values)
+    factor = 0.005 / scale
+    return usual_interval(rising * factor) / factor
+
+
+def _text_clock(columns: list[str], body: Body) -> _Stamps | None:
+    """Return the first column of times of day that advance, by its content."""
+    for column in columns:
+        times = body.times(column, CLOCK)
+        steps = np.diff(times[np.isfinite(times)])
+        if 2 * steps.size < times.size - 1 or not (steps > 0).any() or (steps < 0).mean() > 0.5:
+            continue
+        return _Stamps(column, CLOCK, float(steps[steps > 0].sum() / steps.size))
+    return None
+
+
+def _counted_by(body: Body, column: str) -> float | None:
+    """Return the usual step of a counter; None where a column counts nothing."""
+    values = body.numbers(column)[:, 0]
+    values = values[np.isfinite(values)]
+    if values.size < 3 or not (values == np.rint(values)).all():
+        return None
+    steps = np.diff(unwrapped(values)[0])
+    usual = float(np.median(steps))
+    return usual if usual > 0.0 and (steps >= 0.0).mean() > 0.9 else None
+
+
+def _rate_of_ticks(step: float) -> float | None:
+    """Return the rate that the step of fine sample times says."""
+    rates = [1.0 / (step * tick) for tick in _TICK_S]
+    return next((rate for rate in rates if 10.0 <= rate <= HIGHEST_HZ), None)
+
+
+__all__ = ["TimeGuess", "guess_time", "rate_said"]

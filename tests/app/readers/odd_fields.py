@@ -1,0 +1,141 @@
+"""Tables as loggers, phones and scripts write them: odd clocks, restarts, units and names. See `odd_tables`."""
+
+import numpy as np
+
+from tests.app.readers.odd_tables import (
+    ALL,
+    FIELD_UT,
+    FORCE,
+    GYROSCOPE,
+    NINE,
+    PLAIN,
+    ROWS,
+    TIME_S,
+    G,
+    Odd,
+    numbers,
+    rows_of,
+    text,
+)
+
+DEGREES = np.degrees(GYROSCOPE)
+
+
+def field_tables() -> dict[str, Odd]:
+    return {**_rates(), **_counters(), **_arrivals(), **_restarts(), **_names()}
+
+
+def _rates() -> dict[str, Odd]:
+    """A number beside "Hz" that is not of the samples, or contradicts their stamps."""
+    rows = rows_of(*ALL)
+    bare = text([",".join(NINE)], rows_of(*ALL, time_s=None))
+    by_rows = frozenset({"guess.rows_counted"})
+    return {
+        "a filter's hertz": Odd(text(["# notch filter: 60 Hz", PLAIN], rows).encode()),
+        "a heart rate": Odd(text(["Heart rate: 72", PLAIN], rows).encode()),
+        "a rate that the stamps deny": Odd(
+            text(["Sample rate: 60 Hz", PLAIN], rows).encode(), notes=frozenset({"guess.rate_left"})
+        ),
+        "a rate among other hertz": Odd(
+            f"Low pass: 40 Hz\nMains 50 Hz\nUpdate Rate: 100.0Hz\n{bare}".encode(), notes=by_rows
+        ),
+        "milliseconds, as the rate says": Odd(
+            text(["Abtastrate: 100 Hz", PLAIN], rows_of(*ALL, time_s=1e3 * TIME_S)).encode()
+        ),
+    }
+
+
+def _counters() -> dict[str, Odd]:
+    """No stamp, only what counts the samples; a hole in the counter is a hole in time."""
+    there = np.ones(ROWS, dtype=bool)
+    there[400:480] = there[900:940] = False
+    there[np.arange(1000, ROWS, 20)] = False
+    rows = np.flatnonzero(there)
+    notes = frozenset({"guess.counter", "time.counter_holes"})
+
+    def counted(name: str, count: np.ndarray) -> Odd:
+        content = text(
+            [",".join([name, *NINE])],
+            [[str(int(c)), *row] for c, row in zip(count, numbers(np.column_stack(ALL)[rows]), strict=True)],
+        )
+        return Odd(content.encode(), {"imu": rows}, options=("--rate", "100"), notes=notes)
+
+    return {
+        "packets by number": counted("Packet number", 17 + rows),
+        "a counter of one byte": counted("Counter", (250 + rows) % 256),
+        "a counter of two bytes": counted("PacketCounter", (65_000 + rows) % 65_536),
+        "a counter of four bytes": counted("sample counter", (4_294_967_000 + rows) % 2**32),
+        "fine sample times": counted("SampleTimeFine", 3_000_000 + 100 * rows),
+    }
+
+
+def _arrivals() -> dict[str, Odd]:
+    """Stamps of the arrival of samples that were measured evenly."""
+    rng = np.random.default_rng(5)
+    burst = TIME_S[(np.arange(ROWS) // 8) * 8] + 2e-4 * (np.arange(ROWS) % 8)
+    late = TIME_S.copy()
+    late[rng.choice(np.arange(5, ROWS - 5, 4), 60, replace=False)] += 0.0098
+    said = frozenset({"time.repeated"})
+
+    def stamped(stamps: np.ndarray) -> Odd:
+        return Odd(
+            text([PLAIN], rows_of(*ALL, time_s=stamps, digits=9)).encode(),
+            notes=said,
+            time_s=TIME_S,
+            within_s=3e-4,
+        )
+
+    return {"samples in bursts": stamped(burst), "samples that nearly coincide": stamped(late)}
+
+
+def _restarts() -> dict[str, Odd]:
+    rows = rows_of(*ALL)
+    lines = text([PLAIN], rows).split("\n")
+    again = [*lines[:801], PLAIN, *lines[801:]]
+    thrice = [*lines[:301], PLAIN, *lines[301:901], PLAIN, *lines[901:]]
+    blanks = "\n".join(again).replace(",", " ")
+    said = frozenset({"table.header_again"})
+    return {
+        "a head that stands again": Odd("\n".join(again).encode(), notes=said),
+        "a head that stands thrice": Odd("\n".join(thrice).encode(), notes=said),
+        "a head that stands again, decimal commas": Odd(
+            "\n".join(again).replace(",", ";").replace(".", ",").encode(), notes=said
+        ),
+        "a head that stands again between blanks": Odd(blanks.encode(), notes=said),
+    }
+
+
+def _names() -> dict[str, Odd]:
+    def six(gyroscope: list[str], force: list[str], *parts: np.ndarray) -> Odd:
+        return Odd(
+            text([",".join(["time_s", *gyroscope, *force])], rows_of(*parts)).encode(), has_field=False
+        )
+
+    def axes(pattern: str, order: str = "xyz") -> list[str]:
+        return [pattern.format(a) for a in order]
+
+    backwards = [2, 1, 0]
+    return {
+        "the ordinal sign": six(axes("Gyr {} (º/s)"), axes("Acc {} (m/s²)"), DEGREES, FORCE),
+        "the ring": six(axes("Gyr {} [˚/s]"), axes("Acc {} [g]"), DEGREES, FORCE / G),
+        "units as a script has them": six(
+            axes("gyro_{} (rad/s)"), axes("accel_{} (m/s**2)"), GYROSCOPE, FORCE
+        ),
+        "units in words": six(
+            axes("Gyroscope {} (degrees per second)"),
+            axes("Accelerometer {} (meters per second squared)"),
+            DEGREES,
+            FORCE,
+        ),
+        "an unknown unit": six(axes("gyr_{} (x/s)"), axes("acc_{} [bits/g]"), DEGREES, FORCE / G),
+        "multiples of gravity": six(axes("w{}"), axes("gF{}"), GYROSCOPE, FORCE / G),
+        "letters beside a word": Odd(
+            text(
+                [",".join(["time", *axes("a{}"), *axes("g{}"), *axes("mag{}")])],
+                rows_of(FORCE, GYROSCOPE, FIELD_UT),
+            ).encode()
+        ),
+        "z, y and x": six(
+            axes("rot_rate_{}", "zyx"), axes("acc_{}", "zyx"), GYROSCOPE[:, backwards], FORCE[:, backwards]
+        ),
+    }
