@@ -74,6 +74,8 @@ class SensorHealth(Schema):
     saturated: bool
     magnetic_disturbance: bool
     heading_trusted: bool
+    is_starting: bool = False
+    """Not calibrated, or the orientation still converges: `heading_trusted` cannot be true yet, whatever the sensor."""
     battery_percent: float | None = None
 
 

@@ -19,6 +19,7 @@ _WINDOW_S = 1.0
 _LATENCIES = 200
 _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
+_STARTING = int(OrientationFlag.CONVERGING)
 JITTER_STEP_MS: Final = 1.0
 """Jitter is shown anew once it is further from what was shown: it moves a little with every packet."""
 
@@ -181,6 +182,7 @@ class LinkHealth:
                     saturated=is_saturated,
                     magnetic_disturbance=flags & _DISTURBED != 0,
                     heading_trusted=flags & _NO_HEADING == 0,
+                    is_starting=flags & _STARTING != 0,
                 )
             )
         self._shown = (key, found)

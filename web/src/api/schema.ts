@@ -5366,6 +5366,11 @@ export interface components {
             battery_percent?: number | null;
             /** Heading Trusted */
             heading_trusted: boolean;
+            /**
+             * Is Starting
+             * @default false
+             */
+            is_starting?: boolean;
             /** Jitter Ms */
             jitter_ms: number;
             /** Loss Percent */

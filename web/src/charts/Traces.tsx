@@ -72,9 +72,9 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
         values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)),
       }),
       axis({
-        size: 52,
+        size: shown.suffix.length > 3 ? 84 : 58,
         space: 34,
-        values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix.trim() === '°' ? '°' : ''}`),
+        values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix}`),
       }),
     ],
     series: [

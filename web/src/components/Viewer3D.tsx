@@ -1,14 +1,14 @@
 // The 3D view: a page of the service in a frame, opened for this person and closed with the page.
-import { Button, Skeleton, useComputedColorScheme } from '@mantine/core';
-import { IconPlugConnectedX } from '@tabler/icons-react';
+import { Button, useComputedColorScheme } from '@mantine/core';
+import { IconPlugConnectedX, IconUser } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
-import { lazy, Suspense, useEffect, useState, useSyncExternalStore } from 'react';
+import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore, type RefObject } from 'react';
 import { api, ApiError } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
-import { canDraw3D, whenLostForGood } from '../lib/browser/webgl';
+import { canDraw3D, hasDrawn, whenLostForGood } from '../lib/browser/webgl';
 import type { Player } from '../player/types';
 import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
@@ -43,6 +43,26 @@ const ASK_AGAIN_MS = 2500;
 const LEAST_LIFE_MS = 10_000;
 const isOutOfReach = (error: unknown) =>
   error instanceof ApiError && (error.status === 0 || error.status === 502 || error.status === 503);
+
+const LOOK_MS = 200;
+/** A view that is open for so long is shown, whatever is in it. */
+const LONGEST_WAIT_MS = 8000;
+
+/** Whether something stands in the view of a frame; false again for the frame of another connection. */
+function useDrawn(frame: RefObject<HTMLIFrameElement | null>, key: string, isOpen: boolean): boolean {
+  const [drawn, setDrawn] = useState('');
+  useEffect(() => {
+    if (!isOpen) return;
+    const began = performance.now();
+    const timer = setInterval(() => {
+      if (!hasDrawn(frame.current) && performance.now() - began < LONGEST_WAIT_MS) return;
+      clearInterval(timer);
+      setDrawn(key);
+    }, LOOK_MS);
+    return () => clearInterval(timer);
+  }, [frame, key, isOpen]);
+  return drawn === key;
+}
 
 /** The body in 3D, or flat where this browser cannot. */
 export function Viewer3D(props: Viewer3DProps) {
@@ -116,6 +136,10 @@ function Solid({
   }, [link, from, status]);
   // A service that was started again knows nothing of this view: a new one is opened without a hand.
   const { refetch, dataUpdatedAt } = view;
+  const frame = useRef<HTMLIFrameElement>(null);
+  // The frame has a socket of its own, which may not know that it was cut: with a new connection it begins anew.
+  const frameKey = `${view.data?.id}-${Math.max(1, connections)}`;
+  const isDrawn = useDrawn(frame, frameKey, status === 'open');
   useEffect(() => {
     if (status === 'refused' && Date.now() - dataUpdatedAt > LEAST_LIFE_MS) void refetch();
   }, [status, refetch, dataUpdatedAt]);
@@ -139,10 +163,10 @@ function Solid({
   return (
     <div className="viewer-box">
       <div className={isGone ? 'viewer viewer-gone' : 'viewer'} data-testid="viewer">
-        {view.data ? (
+        {view.data && (
           <iframe
-            // The frame has a socket of its own, which may not know that it was cut: with a new connection it begins anew.
-            key={`${view.data.id}-${Math.max(1, connections)}`}
+            ref={frame}
+            key={frameKey}
             src={view.data.page_path}
             title={title}
             allow="fullscreen"
@@ -152,8 +176,12 @@ function Solid({
               if (event.currentTarget.contentWindow) listenForUse(event.currentTarget.contentWindow);
             }}
           />
-        ) : (
-          <Skeleton height="100%" radius={0} animate={false} role="status" aria-label={t('state.loading')} />
+        )}
+        {!isDrawn && (
+          <div className="viewer-coming" role="status">
+            <IconUser size={54} stroke={1.2} aria-hidden />
+            {!isGone && <span>{t('viewer.coming')}</span>}
+          </div>
         )}
         {(isGone || problem) && (
           <div className="viewer-banner" role="alert">

@@ -15,6 +15,7 @@ from app.live.session.estimation import INLINE_TICKS, EstimationLine
 from app.live.session.ledger import GIVE_UP_AFTER_S, REPORT_AFTER_S, SequenceLedger
 from app.live.session.states import OPEN, STREAMING, TRANSITIONS, StateMachine, streaming_state
 from app.schemas import SessionState
+from estimators.orientation import OrientationFlag
 from estimators.pipelines import FrameLayout, Frames
 from estimators.recording import ImuChunk, SampleQuality
 from tests.said import refuses
@@ -197,6 +198,20 @@ def test_health_is_the_same_list_until_jitter_has_moved_by_more_than_its_step() 
     health.add_packets([(0.15, 0.15 + 30e-3)])
     (sternum,) = health.sensors(link_is_up=True)
     assert sternum.jitter_ms == 2.5, "2.66 to half a millisecond"
+
+
+@pytest.mark.parametrize(
+    ("flags", "is_starting"),
+    [
+        (OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED, True),
+        (OrientationFlag.HEADING_NOT_TRUSTED, False),
+    ],
+)
+def test_health_tells_a_start_from_a_heading_that_is_lost(flags: OrientationFlag, is_starting: bool) -> None:
+    health = LinkHealth(("sternum",), 0.01)
+    health.set_flags(("sternum",), np.array([[flags]], dtype=np.uint8))
+    (sternum,) = health.sensors(link_is_up=True)
+    assert (sternum.heading_trusted, sternum.is_starting) == (False, is_starting)
 
 
 def test_health_counts_loss_jitter_and_saturation() -> None:

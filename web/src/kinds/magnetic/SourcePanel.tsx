@@ -109,8 +109,6 @@ function Energy({ use, zeroS }: { use: SourceUse; zeroS: number }) {
         </dd>
         <dt>{t('magnetic.charge')}</dt>
         <dd className="number">{`${number(milliampereHours(use.charge_as), 2)} mAh`}</dd>
-        <dt>{t('magnetic.heat')}</dt>
-        <dd className="number">{`${number(use.current_squared_a2s, 2)} A² s`}</dd>
       </dl>
       <LineChart
         lines={charge}
@@ -119,6 +117,11 @@ function Energy({ use, zeroS }: { use: SourceUse; zeroS: number }) {
         label={t('magnetic.chargeChart')}
         height={170}
       />
+      {/* Of the makers of coils: what it means in degrees depends on the coil. */}
+      <details className="as-table">
+        <summary>{t('magnetic.forMakers')}</summary>
+        <p className="small">{t('magnetic.heat', { load: `${number(use.current_squared_a2s, 2)} A² s` })}</p>
+      </details>
     </section>
   );
 }

@@ -29,3 +29,24 @@ export function whenLostForGood(frame: HTMLIFrameElement, tell: () => void): voi
   );
   page?.addEventListener('webglcontextrestored', () => clearTimeout(timer), true);
 }
+
+/** A picture of this width and height is enough to see whether something stands in the view. */
+const SIDE_PX = 120;
+/** More of it than the three lines of an empty scene, less than two shoes. */
+const DRAWN_SHARE = 0.003;
+const OPAQUE = 250;
+
+/** Whether something is drawn by the 3D page in a frame: an empty one is clear but for the axes of its room. */
+export function hasDrawn(frame: HTMLIFrameElement | null): boolean {
+  const drawn = frame?.contentDocument?.querySelector('canvas[data-engine]') as HTMLCanvasElement | null | undefined;
+  if (!drawn?.width || !drawn.height) return false;
+  const small = document.createElement('canvas');
+  small.width = small.height = SIDE_PX;
+  const pen = small.getContext('2d');
+  if (!pen) return true;
+  pen.drawImage(drawn, 0, 0, SIDE_PX, SIDE_PX);
+  const { data } = pen.getImageData(0, 0, SIDE_PX, SIDE_PX);
+  let count = 0;
+  for (let at = 3; at < data.length; at += 4) if ((data[at] ?? 0) > OPAQUE) count += 1;
+  return count > DRAWN_SHARE * SIDE_PX * SIDE_PX;
+}

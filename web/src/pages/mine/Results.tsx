@@ -13,6 +13,7 @@ import { valuesByDay, practisedWeeks } from '../../lib/assessment/ownDays';
 import { mainMeasure, plainValue, repetitionsOf, shortName } from '../../lib/plain';
 import { HowItGoes } from './HowItGoes';
 import { NoRecord } from './Today';
+import { sessionTitle } from '../../lib/sessions';
 
 /** How her own value went, a point a day; one day is no curve. */
 function Curve({ main }: { main: ProgressMeasure }) {
@@ -99,7 +100,7 @@ const begun = (one: Session) => one.started_at ?? one.created_at;
 
 /** One session: when, what it was, how often, how long, and the way to look at it. */
 function Done({ session, repetitions, value = '' }: { session: Session; repetitions: number | null; value?: string }) {
-  const name = session.exercise_name ?? t('session.free');
+  const name = sessionTitle(session);
   const minutes = Math.round(session.duration_s / 60);
   const said = [
     clockTime(begun(session)),

@@ -28,7 +28,7 @@ import {
   painText,
   sessionsText,
 } from '../../lib/assessment/practice';
-import { isLive } from '../../lib/sessions';
+import { isLive, sessionTitle } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
 const Unsent = lazy(() => import('../../sensors/Unsent'));
@@ -149,7 +149,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
           <section className="card mine-card">
             <div>
               <h2>{t('mine.running')}</h2>
-              <p>{running.exercise_name ?? t('session.free')}</p>
+              <p>{sessionTitle(running)}</p>
             </div>
             <Button size="xl" component={Link} to={`/my/sessions/${running.id}/live`}>
               {t('mine.goOn')}

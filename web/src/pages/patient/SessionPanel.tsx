@@ -7,7 +7,7 @@ import { Answer, ShowMore } from '../../components/Feedback';
 import { ReasonMark, StateMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { day, duration } from '../../lib/format';
-import { isLive, lossText, sessionPath } from '../../lib/sessions';
+import { isLive, lossText, sessionPath, sessionTitle } from '../../lib/sessions';
 
 const SHOWN_FIRST = 8;
 
@@ -16,7 +16,7 @@ function Line({ session, worries }: { session: Session; worries: readonly Worry[
   return (
     <li className="session-line">
       <Link to={sessionPath(session)} className="session-link">
-        <span className="strong">{session.exercise_name ?? t('session.free')}</span>
+        <span className="strong">{sessionTitle(session)}</span>
         <span className="muted small">
           {day(session.started_at ?? session.created_at)}
           {session.duration_s > 0 && ` · ${duration(session.duration_s)}`}

@@ -22,6 +22,7 @@ import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
 import { SummarySheet } from './SummarySheet';
 import { partsOf } from '../../kinds/parts';
+import { sessionTitle } from '../../lib/sessions';
 
 export interface ReportProps {
   session: SessionDetail;
@@ -86,9 +87,7 @@ export function ReportPage() {
       lead={session.data ? `${name} · ${dateTime(session.data.started_at ?? session.data.created_at)}` : undefined}
       crumbs={[
         ...patientCrumbs(session.data?.patient_id, name),
-        ...(session.data
-          ? [{ to: `/sessions/${session.data.id}`, text: session.data.exercise_name ?? t('session.free') }]
-          : []),
+        ...(session.data ? [{ to: `/sessions/${session.data.id}`, text: sessionTitle(session.data) }] : []),
       ]}
       actions={
         <Button leftSection={<IconPrinter size={19} aria-hidden />} onClick={() => window.print()}>

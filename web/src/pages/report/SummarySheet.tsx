@@ -8,6 +8,7 @@ import { repetitionsText, reportRows } from '../../lib/assessment/report';
 import { trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
+import { sessionTitle } from '../../lib/sessions';
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
   measure?.points.find((one) => one.session_id === sessionId) ?? null;
@@ -60,7 +61,7 @@ export function SummarySheet(props: ReportProps) {
       <dl className="paper-facts">
         <div>
           <dt>{t('exercise.one')}</dt>
-          <dd>{session.exercise_name ?? t('session.free')}</dd>
+          <dd>{sessionTitle(session)}</dd>
         </div>
         <div>
           <dt>{t('details.recorded')}</dt>

@@ -5,6 +5,7 @@ import { useSession, useSessionJobs } from '../../api/queries';
 import type { Job, SessionDetail, SessionState } from '../../api/types';
 import { Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
+import { kindOf } from '../../kinds';
 import { number } from '../../lib/format';
 
 /** One long task: what it does and how far it is. */
@@ -31,7 +32,11 @@ export function AnalysisWait({ session, state }: { session: SessionDetail; state
   const current = useSession(session.id, isDone ? undefined : 1500);
   const jobs = useSessionJobs(session.id, isDone ? undefined : 1500);
   const ready = isDone || current.data?.state === 'analysed';
-  const running = (jobs.data ?? []).filter((job) => job.status !== 'complete');
+  // Sessions without a template end with the same task: nothing is compared there, so nothing is said of it.
+  const isCompared = kindOf(session).isCompared && Boolean(session.prescription_id);
+  const running = (jobs.data ?? []).filter(
+    (job) => job.status !== 'complete' && (isCompared || job.kind !== 'compare' || job.status === 'failed'),
+  );
   return (
     <section className="card stack" aria-labelledby="analysis" role="status">
       <h2 id="analysis">{ready ? t('analysis.done') : t('analysis.title')}</h2>

@@ -24,6 +24,7 @@ import { t, tOr } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { fullName } from '../../lib/people';
+import { sessionTitle } from '../../lib/sessions';
 
 const SHOWN_FIRST = 12;
 const SHOWN_MORE = 24;
@@ -85,7 +86,7 @@ function Source({
                 onChange={setPicked}
                 options={analysed.slice(0, shown).map((one) => ({
                   value: one.id,
-                  title: one.exercise_name ?? t('session.free'),
+                  title: sessionTitle(one),
                   text: `${day(one.started_at ?? one.created_at)} · ${duration(one.duration_s)}${one.purpose === 'template' ? ` · ${t('session.forTemplate')}` : ''}`,
                 }))}
               />
@@ -174,7 +175,7 @@ function Shape({
   }));
   const accepted = content.repetitions.length - dropped.size;
   const existing = templates.data ?? [];
-  const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
+  const suggested = `${exercise?.name ?? sessionTitle(session)}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
   const patientName = patient.data ? fullName(patient.data) : t('patient.title');
 
   const toggle = (position_: number) => {
@@ -434,7 +435,7 @@ export function RecordTemplatePage() {
               <>
                 <p className="muted">
                   {t('template.from', {
-                    what: data.exercise_name ?? t('session.free'),
+                    what: sessionTitle(data),
                     when: day(data.started_at ?? data.created_at),
                   })}{' '}
                   <Link

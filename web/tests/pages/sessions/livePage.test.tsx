@@ -1,17 +1,28 @@
 import { screen } from '@testing-library/react';
 import { expect, it, vi } from 'vitest';
-import type { Calibration, GuidanceMessage, HealthMessage, SensorHealth, SessionEvent } from '../../../src/api/types';
+import type {
+  Calibration,
+  GuidanceMessage,
+  HealthMessage,
+  Patient,
+  SensorHealth,
+  SessionDetail,
+  SessionEvent,
+} from '../../../src/api/types';
 import { JointCurves } from '../../../src/kinds/JointCurves';
 import type { LiveProps } from '../../../src/kinds/kind';
 import { isUnchecked } from '../../../src/lib/calibration';
 import { InForce } from '../../../src/pages/calibration/InForce';
 import { SensorLine } from '../../../src/pages/session/live/HealthPanel';
+import { AnalysisWait } from '../../../src/pages/session/AnalysisWait';
+import { SessionPanel } from '../../../src/pages/patient/SessionPanel';
+import { sessionTitle } from '../../../src/lib/sessions';
 import { Repetitions } from '../../../src/pages/session/live/Repetitions';
 import { renderPage } from '../render';
 
 // jsdom draws no canvas.
 vi.mock('../../../src/charts/Plot', async (original) => ({
-  ...(await original<typeof import('../../../src/charts/Plot')>()),
+  ...(await original<object>()),
   Plot: () => null,
 }));
 
@@ -27,6 +38,9 @@ it('counts large for the therapist, and states no number that is not of now', ()
   expect(screen.getByTestId('repetitions').textContent).toBe('–');
   expect(screen.queryByText(/of 6/)).toBeNull();
   lost.unmount();
+  const beyond = renderPage(<Repetitions guidance={guidance({ before: 9 })} isKnown />, { answers: {} });
+  expect(screen.getByText(/13 today, goal 6 reached/)).toBeTruthy();
+  beyond.unmount();
   renderPage(<Repetitions guidance={guidance({ status: 'off' })} isKnown />, { answers: {} });
   expect(screen.queryByTestId('repetitions')).toBeNull();
 });
@@ -46,6 +60,13 @@ const health = (...sensors: SensorHealth[]) => ({ sensors }) as HealthMessage;
 it.each([
   [[sensor('sternum'), sensor('hand_left')], '2 sensors good'],
   [[sensor('sternum'), sensor('hand_left', { magnetic_disturbance: true })], 'Left hand: '],
+  // Before it can be known a direction is no alarm; afterwards it is one.
+  [[sensor('sternum'), sensor('hand_left', { heading_trusted: false, is_starting: true })], 'Starting'],
+  [[sensor('sternum'), sensor('hand_left', { heading_trusted: false })], 'Left hand: Direction unreliable'],
+  [
+    [sensor('sternum'), sensor('hand_left', { heading_trusted: false, is_starting: true, magnetic_disturbance: true })],
+    'Left hand: ',
+  ],
   // A lost sensor comes before iron that several meet.
   [
     [
@@ -102,4 +123,39 @@ it('shows the legend of the template only while its band is drawn', () => {
   curves('paused');
   expect(screen.queryByText(/^Template/)).toBeNull();
   expect(screen.getByText(/No repetition is followed/)).toBeTruthy();
+});
+
+const jobs = (...kinds: string[]) =>
+  kinds.map((kind) => ({ id: kind, kind, status: 'queued', progress: 0, message: '', session_id: 's' }));
+const closing = { id: 's', state: 'closing', purpose: 'exercise', pipeline: 'arm' };
+
+it.each([
+  ['balance', null, false],
+  ['arm', null, false],
+  ['arm', 'p', true],
+])('speaks of a template only where there is one: %s, prescription %s', async (pipeline, prescription_id, isSaid) => {
+  const session = { ...closing, pipeline, prescription_id } as unknown as SessionDetail;
+  renderPage(<AnalysisWait session={session} state="closing" />, {
+    answers: { '/api/sessions/s': session, '/api/sessions/s/jobs': jobs('reprocess', 'compare') },
+  });
+  await screen.findByText('Estimating the movement');
+  expect(screen.queryByText('Comparing with the template') !== null).toBe(isSaid);
+});
+
+it('calls a session by one name, in the list and on its page', async () => {
+  expect(sessionTitle({ exercise_name: null, pipeline: 'relative_pose' })).toBe('Distance by magnetic source');
+  renderPage(<SessionPanel patient={{ id: 'p' } as Patient} />, {
+    answers: {
+      '/api/patients/p/sessions': [
+        {
+          id: 's',
+          state: 'analysed',
+          exercise_name: null,
+          pipeline: 'relative_pose',
+          created_at: '2026-01-02T10:00:00Z',
+        },
+      ],
+    },
+  });
+  expect(await screen.findByText('Distance by magnetic source')).toBeTruthy();
 });

@@ -86,6 +86,7 @@ export const session: Translated<typeof english> = {
   'health.allGood': { one: '{count} Sensor gut', other: '{count} Sensoren gut' },
   'health.line': '{places}: {trouble}',
   'health.more': { one: 'und ein weiterer', other: 'und {count} weitere' },
+  'health.starting': 'Startet, Richtung noch nicht bekannt',
   'health.waiting': 'Wartet',
   'health.unknown': 'Im Moment nicht bekannt',
   'health.lost': 'Signal verloren',
@@ -121,6 +122,7 @@ export const session: Translated<typeof english> = {
   'live.closeText':
     'Die Sensoren werden getrennt, und alles Aufgezeichnete wird ausgewertet und verglichen. In dieser Sitzung können Sie nicht weiter aufzeichnen.',
   'live.repetitions': { one: 'Wiederholung', other: 'Wiederholungen' },
+  'live.repetitionsBeyond': '{count} heute, Ziel {goal} erreicht',
   'live.repetitionsGoal': '{count} von {goal} heute',
   'live.events': 'Ereignisse',
   'live.noCurvesYet': 'Gelenkkurven beginnen, sobald die Richtungen gesetzt sind.',
@@ -203,6 +205,7 @@ export const session: Translated<typeof english> = {
 
   'viewer.liveTitle': '3D-Ansicht der übenden Person, live',
   'viewer.replayTitle': '3D-Ansicht der übenden Person und der Vorlage',
+  'viewer.coming': 'Die Figur wird gezeichnet.',
   'viewer.failed': 'Die 3D-Ansicht konnte nicht geöffnet werden',
   'viewer.lost': 'Die 3D-Ansicht hat die Verbindung verloren und wird neu geöffnet.',
   'viewer.blocked':

@@ -82,6 +82,7 @@ export const session = {
   'health.allGood': { one: '{count} sensor good', other: '{count} sensors good' },
   'health.line': '{places}: {trouble}',
   'health.more': { one: 'and one more', other: 'and {count} more' },
+  'health.starting': 'Starting, direction not known yet',
   'health.waiting': 'Waiting',
   'health.unknown': 'Not known at the moment',
   'health.lost': 'Signal lost',
@@ -117,6 +118,7 @@ export const session = {
   'live.closeText':
     'The sensors are disconnected, and everything recorded is analysed and compared. You cannot continue recording in this session.',
   'live.repetitions': { one: 'repetition', other: 'repetitions' },
+  'live.repetitionsBeyond': '{count} today, goal {goal} reached',
   'live.repetitionsGoal': '{count} of {goal} today',
   'live.events': 'Events',
   'live.noCurvesYet': 'Curves of the joints begin once the directions are set.',
@@ -197,6 +199,7 @@ export const session = {
 
   'viewer.liveTitle': '3D view of the patient, live',
   'viewer.replayTitle': '3D view of the patient and the template',
+  'viewer.coming': 'The figure is being drawn.',
   'viewer.failed': 'The 3D view could not be opened',
   'viewer.lost': 'The 3D view lost its connection and is being opened again.',
   'viewer.blocked':

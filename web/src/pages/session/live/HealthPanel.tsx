@@ -35,7 +35,8 @@ export function troubles(sensor: SensorHealth): Trouble[] {
       Icon: IconAlertTriangle,
     });
   if (sensor.magnetic_disturbance) found.push({ text: t('health.magnet'), isUrgent: false, Icon: IconMagnet });
-  else if (!sensor.heading_trusted && sensor.status !== 'lost')
+  // While it starts no direction can be known yet: that is no trouble of the sensor.
+  else if (!sensor.heading_trusted && !sensor.is_starting && sensor.status !== 'lost')
     found.push({ text: t('health.heading'), isUrgent: false, Icon: IconAlertTriangle });
   if (typeof sensor.battery_percent === 'number' && sensor.battery_percent < LOW_BATTERY_PERCENT)
     found.push({
@@ -44,6 +45,11 @@ export function troubles(sensor: SensorHealth): Trouble[] {
       Icon: IconAlertTriangle,
     });
   return found;
+}
+
+/** Its direction is not known yet, and cannot be. */
+function isUnknown(sensor: SensorHealth): boolean {
+  return !sensor.heading_trusted && (sensor.is_starting ?? false);
 }
 
 /** Troubles that every sensor has in the same words: they are the gateway's, and said once. */
@@ -72,7 +78,7 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
       <span className="sensor-name">{placementLabel(sensor.placement)}</span>
       {wrong.length === 0 && shared.length > 0 ? null : wrong.length === 0 ? (
         <span className="sensor-good">
-          <IconCheck size={17} aria-hidden /> {t('health.good')}
+          <IconCheck size={17} aria-hidden /> {t(isUnknown(sensor) ? 'health.starting' : 'health.good')}
         </span>
       ) : (
         <TroubleLines list={wrong} />
@@ -93,7 +99,8 @@ export function SensorLine({ health }: { health: HealthMessage | null }) {
   if (!first)
     return (
       <span className="live-sensors muted">
-        <IconCheck size={17} aria-hidden /> {t('health.allGood', { count: health.sensors.length })}
+        <IconCheck size={17} aria-hidden />{' '}
+        {health.sensors.some(isUnknown) ? t('health.starting') : t('health.allGood', { count: health.sensors.length })}
       </span>
     );
   const same = said.filter((one) => one.list[0]?.text === first.text);

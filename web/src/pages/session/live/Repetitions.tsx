@@ -7,6 +7,7 @@ export function Repetitions({ guidance, isKnown }: { guidance: GuidanceMessage |
   if (!guidance || guidance.status === 'off') return null;
   const { valid = 0, partial = 0, wrong = 0 } = guidance.counts;
   const { goal = 0, before = 0 } = guidance;
+  const done = before + valid;
   return (
     <div className="live-count">
       <span className="live-number number" data-testid="repetitions">
@@ -17,7 +18,7 @@ export function Repetitions({ guidance, isKnown }: { guidance: GuidanceMessage |
         {isKnown && (
           <span className="muted small live-count-more">
             {[
-              goal ? t('live.repetitionsGoal', { goal, count: before + valid }) : '',
+              goal ? t(done > goal ? 'live.repetitionsBeyond' : 'live.repetitionsGoal', { goal, count: done }) : '',
               partial ? t('doing.partial', { count: partial }) : '',
               wrong ? t('doing.wrong', { count: wrong }) : '',
             ]

@@ -14,7 +14,7 @@ import { channelLabel } from '../../../lib/channels';
 import { differenceRows, distinctResults, overallRms } from '../../../lib/assessment/differences';
 import { dateTime, number, position } from '../../../lib/format';
 import { fullName, patientCrumbs } from '../../../lib/people';
-import { estimatorTitle } from '../../../lib/sessions';
+import { estimatorTitle, sessionTitle } from '../../../lib/sessions';
 
 function shortLabel(result: Result, estimators: readonly Estimator[]): string {
   const title = estimatorTitle(result, estimators);
@@ -198,7 +198,7 @@ export function EstimatorsPage() {
       crumbs={[
         ...patientCrumbs(session.data?.patient_id, name),
         ...(session.data
-          ? [{ to: `/sessions/${session.data.id}?show=details`, text: session.data.exercise_name ?? t('session.free') }]
+          ? [{ to: `/sessions/${session.data.id}?show=details`, text: sessionTitle(session.data) }]
           : []),
       ]}
     >
