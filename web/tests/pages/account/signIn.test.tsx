@@ -1,8 +1,8 @@
 import { fireEvent, screen, waitFor } from '@testing-library/react';
 import { afterEach, expect, it, vi } from 'vitest';
-import { OwnAccountPage } from '../../src/pages/OwnAccount';
-import type { Me } from '../../src/api/types';
-import { renderPage, THERAPIST } from './render';
+import { OwnAccountPage } from '../../../src/pages/OwnAccount';
+import type { Me } from '../../../src/api/types';
+import { renderPage, THERAPIST } from '../render';
 
 const SECRET = 'GEZDGNBVGY3TQOJQGEZDGNBVGY3TQOJQ';
 

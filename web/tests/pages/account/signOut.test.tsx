@@ -3,8 +3,8 @@ import { MantineProvider } from '@mantine/core';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
 import { act, fireEvent, render, screen } from '@testing-library/react';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { wantedSignOut, wantSignOut } from '../../src/api/signOut';
-import { SignedOutFirst } from '../../src/components/account/SignedOutFirst';
+import { wantedSignOut, wantSignOut } from '../../../src/api/signOut';
+import { SignedOutFirst } from '../../../src/components/account/SignedOutFirst';
 
 const NOBODY = { code: 'sign_in_required', message: 'sign in', details: {} };
 const BUSY = { code: 'unavailable', message: 'later', details: {} };

@@ -5,13 +5,13 @@ import { act, fireEvent, render, screen, waitFor } from '@testing-library/react'
 import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { setCsrfToken } from '../../src/api/client';
-import { forgetEverything, keys } from '../../src/api/queries';
-import { Shell } from '../../src/components/Shell';
-import { pruneDrafts, readDraft, writeDraft } from '../../src/lib/editing/drafts';
-import { hasUnsaved, releaseAll } from '../../src/lib/editing/unsaved';
-import { PatientNewPage } from '../../src/pages/PatientNew';
-import { renderPage, THERAPIST } from './render';
+import { setCsrfToken } from '../../../src/api/client';
+import { forgetEverything, keys } from '../../../src/api/queries';
+import { Shell } from '../../../src/components/Shell';
+import { pruneDrafts, readDraft, writeDraft } from '../../../src/lib/editing/drafts';
+import { hasUnsaved, releaseAll } from '../../../src/lib/editing/unsaved';
+import { PatientNewPage } from '../../../src/pages/PatientNew';
+import { renderPage, THERAPIST } from '../render';
 
 beforeEach(() => {
   sessionStorage.clear();

@@ -3,10 +3,10 @@ import { act, render, screen } from '@testing-library/react';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { SignedOutFirst } from '../../src/components/account/SignedOutFirst';
-import type { SignOutReason } from '../../src/api/signOut';
-import { IdleWatch } from '../../src/components/account/IdleWatch';
-import { idleSeconds } from '../../src/lib/browser/idle';
+import { SignedOutFirst } from '../../../src/components/account/SignedOutFirst';
+import type { SignOutReason } from '../../../src/api/signOut';
+import { IdleWatch } from '../../../src/components/account/IdleWatch';
+import { idleSeconds } from '../../../src/lib/browser/idle';
 
 const asked: string[] = [];
 

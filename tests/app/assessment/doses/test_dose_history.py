@@ -13,8 +13,8 @@ from app.exercises.models import PrescriptionChange
 from app.recordings.models import SessionEvent
 from app.time_zones import UTC
 
-from .history import History
-from .test_practice import given, prescriptions, record, utc
+from ..history import History
+from ..test_practice import given, prescriptions, record, utc
 
 
 def changed(prescription, number, at, **before):
