@@ -9,7 +9,7 @@ from estimators.pipelines.walk.layout import FORCE_STATES
 FLAGS: Final = {
     OrientationFlag.INVALID: "nothing is known: no data, or lost",
     OrientationFlag.BRIDGED: "interpolated across a gap of at most 0.2 s",
-    OrientationFlag.CONVERGING: "the estimate has just begun",
+    OrientationFlag.CONVERGING: "the estimate has just begun; with 32, the sensor may have turned in its strap",
     OrientationFlag.ACCELERATION_NOT_TRUSTED: "movement hides gravity",
     OrientationFlag.MAGNETIC_DISTURBANCE: "the field is not the earth's",
     OrientationFlag.HEADING_NOT_TRUSTED: "the heading is not known; of a foot after a long gap, nor its place",

@@ -31,6 +31,9 @@ class Trajectory:
         One standard deviation of the estimate, NaN where unknown.
     valid : ndarray of bool, shape (N, C)
         False inside gaps and where the estimate is flagged invalid.
+    unseated : ndarray of bool, shape (N, C), or None
+        Where a sensor has turned in its strap: the value moves as the person does, and repetitions are found by it, but
+        it is off by nobody knows how much, and nothing is measured by it. None where none has.
     """
 
     time_s: Float
@@ -38,6 +41,13 @@ class Trajectory:
     values: Float
     sigma: Float
     valid: NDArray[np.bool_]
+    unseated: NDArray[np.bool_] | None = None
+
+    @property
+    def measured(self) -> Float:
+        """The values that can be stated, shape (N, C); NaN elsewhere."""
+        stated = self.valid if self.unseated is None else self.valid & ~self.unseated
+        return np.where(stated, self.values, np.nan)
 
 
 @dataclass(frozen=True)

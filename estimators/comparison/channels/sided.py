@@ -85,7 +85,7 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
         If nothing of that side was measured.
     """
     check_side(side)
-    masked = np.where(source.valid, source.values, np.nan)
+    masked = source.measured
     index = {name: column for column, name in enumerate(source.channels)}
     names: list[str] = []
     values: list[Float] = []

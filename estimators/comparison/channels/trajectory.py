@@ -13,6 +13,8 @@ from estimators.rotation import conjugate, rotate
 
 _LEANING: Final = ("thigh", "shank")
 UNUSABLE: Final = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR)
+UNSEATED: Final = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
+"""Both together: nobody knows how the sensor sits, as before a calibration or after it has turned in its strap."""
 """Bits of an angle that says nothing about the posture."""
 
 
@@ -43,17 +45,23 @@ def trajectory(frames: Frames) -> Trajectory:
         sigma[:, len(layout.angles) + len(layout.scalars) :] = place_sigma(frames, frames.segment_sigma_rad)
     valid = np.isfinite(values)
     valid[:, : len(layout.angles)] &= (frames.angle_flags & UNUSABLE) == 0
+    unseated = np.zeros_like(valid)
+    unseated[:, : len(layout.angles)] = (frames.angle_flags & UNSEATED) == UNSEATED
     tracked = (frames.segment_flags & np.uint8(OrientationFlag.INVALID)) == 0
     for column, name in enumerate((*layout.scalars, *points), start=len(layout.angles)):
         needed = [layout.segments.index(s) for s in segments_behind(name) if s in layout.segments]
         if needed:
             valid[:, column] &= tracked[:, needed].all(axis=1)
+        if needed and name.endswith("_rad"):
+            flags = frames.segment_flags[:, needed]
+            unseated[:, column] = ((flags & UNSEATED) == UNSEATED).any(axis=1)
     legs = leaning_segments(layout)
     if legs:
         lean = legs_forward(frames, legs)
         values = np.concatenate([values, lean], axis=1)
         sigma = np.concatenate([sigma, np.full_like(lean, np.nan)], axis=1)
         valid = np.concatenate([valid, np.isfinite(lean) & tracked[:, legs]], axis=1)
+        unseated = np.concatenate([unseated, np.zeros(lean.shape, dtype=bool)], axis=1)
     return Trajectory(
         time_s=frames.time_s,
         channels=(
@@ -65,6 +73,7 @@ def trajectory(frames: Frames) -> Trajectory:
         values=values,
         sigma=sigma,
         valid=valid,
+        unseated=unseated if unseated.any() else None,
     )
 
 

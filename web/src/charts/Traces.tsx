@@ -15,6 +15,8 @@ import { extent, runs, steadyRange } from './scales';
 
 const INVALID = 1;
 const SINGULAR = 128;
+/** Both together: nobody knows how the sensor sits, as after it has turned in its strap. */
+const UNSEATED = 4 | 32;
 const HEIGHT = 132;
 /** An angle known no better than this (one standard deviation) says nothing that a number could state. */
 const UNKNOWN_RAD = Math.PI / 12;
@@ -94,7 +96,7 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
       drawClear: [
         (plot) => {
           const time = plot.data[0];
-          const isUnsure = (index: number) => ((chart.flags[index] ?? 0) & (INVALID | SINGULAR)) !== 0;
+          const isUnsure = (index: number) => !isTrusted(chart.flags[index] ?? 0);
           for (const [from, until] of runs(time.length, isUnsure)) {
             hatch(plot, time[from] ?? 0, time[Math.min(until, time.length - 1)] ?? 0);
           }
@@ -111,9 +113,13 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
   };
 }
 
+function isTrusted(flags: number): boolean {
+  return (flags & (INVALID | SINGULAR)) === 0 && (flags & UNSEATED) !== UNSEATED;
+}
+
 /** Whether a number may stand for the value: not where the angle has no meaning in this posture, or is hardly known. */
 export function isMeaningful(flags: number, sigma: number, unit: string): boolean {
-  return (flags & (INVALID | SINGULAR)) === 0 && !(unit === 'rad' && sigma > UNKNOWN_RAD);
+  return isTrusted(flags) && !(unit === 'rad' && sigma > UNKNOWN_RAD);
 }
 
 const EMPTY_DATA: uPlot.AlignedData = [[], [], [], [], [], [], []];

@@ -88,6 +88,11 @@ class Chain:
             return [self.between(link.proximal, one.name) for one in uppers]
         return [] if link.distal is None else [self.between(link.proximal, link.distal)]
 
+    def is_whole(self, link: Link, first: int, stop: int) -> bool:
+        """Say whether a segment and its neighbours were measured all the time between two ticks."""
+        names = [name for name in (link.name, link.proximal, link.distal) if name is not None]
+        return all(bool(np.isfinite(self.posture(name)[max(first, 0) : stop]).all()) for name in names)
+
     def twist(self, link: Link, against: Placement | None) -> Float:
         """Return the turn about the segment's long axis against another's turn, summed up, shape (K,), rad."""
         axis = rotation.rotate(self.posture(link.name), _LONG_AXIS)

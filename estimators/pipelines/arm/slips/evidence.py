@@ -69,6 +69,8 @@ def twisted_alone(chain: Chain, link: Link, tick: int, shift: Shift) -> Proof | 
         return None
     # All windows that hold the whole turn are the best, whether it lies early or late in them.
     found = first + int(np.median(np.flatnonzero(step[first:stop] >= _NEARLY * best)))
+    if not chain.is_whole(link, found - 2 * half, found + 2 * half):
+        return None
     if link.name.startswith("upper_arm") and not _is_bent_or_still(chain, link, found, shift, half):
         return None
     return Proof(found, shift)
@@ -152,7 +154,7 @@ def turned_on_the_spot(chain: Chain, link: Link, tick: int, shift: Shift) -> Pro
     pulses = [_pulse(duration_s, around, chain.step_s) for duration_s in _DURATIONS_S]
     for centre in range(max(first, around), min(stop, len(rate) - around), _TRY_EVERY):
         window = slice(centre - around, centre + around)
-        if not np.isfinite(posture[window]).all():
+        if not chain.is_whole(link, window.start, window.stop):
             continue
         turned = rotation.rotate(posture[window], shift.turn_rad)
         arms = [rotation.rotate(posture[window], lever.lever_m) for lever in levers]

@@ -13,7 +13,8 @@ from estimators.pipelines._contract import Frames, SessionSetup
 from estimators.recording import Float, ImuChunk
 
 RATE_HZ: Final = 50.0
-_UNUSABLE: Final = int(OrientationFlag.INVALID)
+_UNUSABLE: Final = int(OrientationFlag.INVALID | OrientationFlag.BRIDGED | OrientationFlag.SATURATED)
+"""A gyroscope at its end, or one that was not heard for a moment, turned further than it says."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Motion:
     names : tuple of Placement
     time_s : ndarray, shape (K,)
     q_room_segment : ndarray, shape (K, S, 4)
-        NaN where a sensor gave nothing.
+        NaN where a sensor gave nothing, or was at its end.
     rate_room_radps : ndarray, shape (K, S, 3)
         As the gyroscopes measured it: what a filter corrects is no turn of a sensor. Zero where nothing was measured.
     acceleration_room_mps2 : ndarray, shape (K, S, 3)

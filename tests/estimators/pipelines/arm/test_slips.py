@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estimators import rotation, signals
+from estimators.comparison import build_template, compare, find_repetitions, trajectory
 from estimators.pipelines import SlipSearch, in_doubt, run, with_slips
 from estimators.pipelines.arm.slips import find_slips
 from estimators.pipelines.arm.slips.flagged import FLAG
@@ -14,6 +15,7 @@ from estimators.simulation._sensors import Mounting
 from estimators.simulation.arm.exercises import EXERCISES, Exercise, Stop
 from estimators.simulation.faults import turn_in_strap
 from tests.estimators.snapshots import cases
+from tests.said import codes
 
 ONE_ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
 NO_HAND = ONE_ARM[:3]
@@ -109,6 +111,45 @@ def test_frames_are_honest_from_the_slip_on_and_untouched_before():
     assert (frames.segment_flags[after, s] & FLAG == FLAG).all()
     np.testing.assert_array_equal(frames.angle_sigma_rad[before], sound.angle_sigma_rad[before])
     np.testing.assert_array_equal(frames.angle_flags[before], sound.angle_flags[before])
+
+
+def test_what_is_compared_leaves_out_what_slipped_and_still_has_the_rest():
+    made = session("reaching", seed=6)
+    at_s = resting_s(made)
+    frames, _ = run(turned(made, "sternum", at_s, 0.4, AHEAD, 30.0), made.setup, POSE_S)
+    seen = trajectory(frames)
+    before = (seen.time_s > made.truth.repetitions_s[0, 0]) & (seen.time_s < at_s - 1.0)
+    after = seen.time_s > at_s + 0.5
+    for name, is_left_out in (
+        ("trunk_lean_forward_rad", True),
+        ("thorax_humerus_right_yxy_elevation", True),
+        ("humerus_forearm_right_zxy_flexion", False),
+        ("hand_speed_right_mps", False),
+    ):
+        measured = np.isfinite(seen.measured[:, seen.channels.index(name)])
+        assert measured[before].mean() > 0.95, name
+        assert measured[after].any() != is_left_out, name
+
+
+def test_repetitions_go_on_being_found_and_nobody_is_blamed_for_the_sensor():
+    """A trunk sensor that tilts by 30 degrees read as a trunk that leans in every repetition after it."""
+    made = session("reaching", seed=6)
+    start_s = made.truth.repetitions_s[0, 0] - 1.5
+    sound = trajectory(run(made.recording, made.setup, POSE_S)[0])
+    main = "humerus_forearm_right_zxy_flexion"
+    template = build_template(sound, find_repetitions(sound, "right", start_s), "right", 0.55, main)
+
+    def said(placement, axis):
+        recording = turned(made, placement, resting_s(made), 0.4, axis, 30.0)
+        found = compare(
+            trajectory(run(recording, made.setup, POSE_S)[0]), template, "right", 0.55, start_s=start_s
+        )
+        return len(found.repetitions), codes(found.findings)
+
+    assert said("sternum", AHEAD)[1] == ["findings.matched"]
+    count, findings = said("upper_arm_right", LONG)
+    assert count == 6
+    assert findings == ["findings.main_mostly_not_measured"], "half of what counts most has no number"
 
 
 def test_pieces_of_a_session_give_the_same_slips_and_frames():

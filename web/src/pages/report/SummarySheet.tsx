@@ -85,6 +85,13 @@ export function SummarySheet(props: ReportProps) {
         )}
       </dl>
       <Headline value={mainValue} measure={main} sessionId={session.id} />
+      {session.events
+        .filter((event) => event.kind === 'sensor_slipped')
+        .map((event) => (
+          <p key={event.time_s} className="strong">
+            {event.text}
+          </p>
+        ))}
       {comparison && comparison.findings.length > 0 && (
         <>
           <h3>{t('report.findings')}</h3>

@@ -190,7 +190,7 @@ export const session: Translated<typeof english> = {
   'traces.paused': 'Angehalten. Die Sitzung läuft weiter.',
   'traces.band': 'Das Band um die Kurve ist die Unsicherheit (zwei Standardabweichungen).',
   'traces.hatched':
-    'Schraffiert: Der Sensor war verloren, oder der Winkel hat in dieser Haltung keine Bedeutung, wie die Hebeebene eines hängenden Arms. Dann steht „–“ für den Wert.',
+    'Schraffiert: Der Sensor war verloren oder hat sich im Gurt verdreht, oder der Winkel hat in dieser Haltung keine Bedeutung, wie die Hebeebene eines hängenden Arms. Dann steht „–“ für den Wert.',
   'traces.neutralZero': '0° ist die Neutralstellung (Daumen oben); Supination ist negativ. ISB: 90° mehr.',
   'traces.none': 'Noch keine Gelenkwinkel. Sie erscheinen nach der Kalibrierung.',
   'traces.angle': 'Winkel',

@@ -77,7 +77,7 @@ export const report: Translated<typeof english> = {
   'report.estimator': 'Schätzung',
   'report.estimatorText': '{kind} mit {title} (Version {version}), Körpermodell Version {pipeline}',
   'report.dataLoss': 'Datenqualität',
-  'report.slipped': 'Sensoren',
+  'report.slipped': 'Im Gurt verdreht',
   'report.dataLossText': '{percent} % der Pakete fehlen; Lücken über 0,2 s: {gaps}; Sensorausfälle: {lost}',
   'report.templateText': '„{name}“, Version {number} vom {date}, Mittel aus {count} Wiederholungen',
   'report.evaluated': '{accepted} von {all} gefundenen wurden ausgewertet',

@@ -185,7 +185,7 @@ export const session = {
   'traces.paused': 'Paused. The session continues.',
   'traces.band': 'The band around the patient’s curve is the uncertainty (two standard deviations).',
   'traces.hatched':
-    'Hatched: the sensor was lost, or the angle has no meaning in this posture, as the plane in which a hanging arm is raised. Then “–” stands for its value.',
+    'Hatched: the sensor was lost or has turned in its strap, or the angle has no meaning in this posture, as the plane in which a hanging arm is raised. Then “–” stands for its value.',
   'traces.neutralZero': '0° is the neutral position (thumb up); supination is negative. ISB: 90° more.',
   'traces.none': 'No joint angles yet. They appear after calibration.',
   'traces.angle': 'Angle',

@@ -77,7 +77,7 @@ export const report = {
   'report.estimator': 'Estimation',
   'report.estimatorText': '{kind} with {title} (version {version}), body model version {pipeline}',
   'report.dataLoss': 'Data quality',
-  'report.slipped': 'Sensors',
+  'report.slipped': 'Turned in the strap',
   'report.dataLossText': '{percent} % of the packets missing; gaps longer than 0.2 s: {gaps}; sensors lost: {lost}',
   'report.templateText': '“{name}”, version {number} of {date}, mean of {count} repetitions',
   'report.evaluated': '{accepted} of {all} found were evaluated',
