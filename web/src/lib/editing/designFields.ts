@@ -2,9 +2,17 @@
 import type { CueDesign, StopDesign, TemplateDesign, WeightDesign } from '../../api/types';
 import type { Fields } from './merge';
 
-const stopKey = (one: StopDesign) => `stop:${one.kind}|${one.channel ?? ''}|${one.side ?? ''}`;
+/** As the service stores it, with what it adds where the page leaves it out: two ways to write one rule are one field. */
+function stored(one: StopDesign): StopDesign {
+  const { kind, limit = 0, hold_s = 0.05 } = one;
+  return kind === 'limit'
+    ? { kind, channel: one.channel ?? '', side: one.side ?? 'above', limit, hold_s }
+    : { kind, limit, hold_s };
+}
+
+const stopKey = ({ kind, channel, side }: StopDesign) => `stop:${kind}|${channel ?? ''}|${side ?? ''}`;
 const cueKey = (one: CueDesign) =>
-  `cue:${one.quantity}|${one.sentence}|${one.channel ?? ''}|${one.side ?? ''}|${(one.phases ?? [0, 1]).join('-')}`;
+  `cue:${one.quantity}|${one.sentence}|${one.channel ?? ''}|${one.side ?? 'both'}|${(one.phases ?? [0, 1]).join('-')}`;
 
 /** Each rule by its name; the second of the same name is another field. */
 function byName<T>(rules: readonly T[], key: (one: T) => string): [string, T][] {
@@ -23,7 +31,7 @@ export function designFields(design: TemplateDesign): Fields {
     ['phases', design.phases ?? []],
     ...(design.tolerances ?? []).map((one) => [`band:${one.channel}`, one.knots] as const),
     ...(design.watched ?? []).map((channel) => [`watched:${channel}`, true] as const),
-    ...byName(design.stops ?? [], stopKey),
+    ...byName((design.stops ?? []).map(stored), stopKey),
     ...byName(design.cues ?? [], cueKey),
     ['valid_share', design.valid_share],
     ['pace:silence_s', design.pace?.silence_s],

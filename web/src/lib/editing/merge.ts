@@ -22,14 +22,14 @@ export interface Merge {
   merged: (choices: Readonly<Record<string, Side | undefined>>) => Fields;
 }
 
-/** The same value is the same text, whatever the order of keys; what is null is not there, as in answers of the service. */
+/** The same value is the same text, whatever the order of keys; what is null or empty text is not there, as in answers of the service. */
 function canonical(value: unknown): unknown {
   if (Array.isArray(value)) return value.map(canonical);
   if (typeof value === 'number') return Number(value.toFixed(6));
   if (typeof value !== 'object' || value === null) return value ?? null;
   return Object.fromEntries(
     Object.entries(value)
-      .filter(([, one]) => one !== null && one !== undefined)
+      .filter(([, one]) => one !== null && one !== undefined && one !== '')
       .sort(([one], [other]) => (one < other ? -1 : 1))
       .map(([name, one]) => [name, canonical(one)]),
   );

@@ -28,7 +28,7 @@ const opened: TemplateVersionDetail = {
   side: 'right',
   primary_channel: MAIN,
   reach_m: 0.55,
-  design: { stops: [{ kind: 'time', limit: 300, hold_s: 0 }], valid_share: 0.8 },
+  design: { stops: [], valid_share: 0.8 },
   content: {
     duration_s: 3,
     repetitions: [{ number: 1, start_s: 0, end_s: 3, is_kept: true, reason: '', sentences: {} }],
@@ -58,7 +58,8 @@ const newest: TemplateVersionDetail = {
   reason: 'two minutes are enough',
   design: {
     ...opened.design,
-    stops: [{ kind: 'time', limit: 120, hold_s: 0 }],
+    // As the service stores a rule: with what a page leaves out.
+    stops: [{ kind: 'time', channel: '', side: 'above', limit: 120, hold_s: 0 }],
     phases: [
       { name: 'Way out', start: 0, end: 0.5 },
       { name: 'Way back', start: 0.5, end: 1 },
@@ -85,6 +86,7 @@ it('joins a drawing with the version that somebody saved meanwhile, and saves on
     path: '/templates/versions/:versionId',
     answers,
   });
+  await userEvent.click(await screen.findByRole('switch', { name: 'Stop after this many minutes' }));
   const minutes = await screen.findByRole('textbox', { name: 'Number for: Stop after this many minutes' });
   fireEvent.change(minutes, { target: { value: '4' } });
   fireEvent.change(screen.getByRole('textbox', { name: /valid from this share/ }), { target: { value: '70 %' } });
