@@ -68,6 +68,8 @@ class SessionOut(Spoken):
     patient_id: str
     exercise_id: str | None
     exercise_name: str | None
+    pipeline: str
+    """As in `SessionIn`, or `orientation`: single sensors of an upload. It names a session without an exercise."""
     prescription_id: str | None
     purpose: Literal["exercise", "template"]
     source: Literal["stream", "upload"]
@@ -126,8 +128,6 @@ class CalibrationOut(Spoken):
 class SessionDetail(SessionOut):
     """A session with what was done with it."""
 
-    pipeline: str
-    """As in `SessionIn`, or `orientation`: single sensors of an upload."""
     placements: list[str]
     """A `Placement` each; of the pipeline `orientation` any name."""
     rate_hz: float

@@ -163,7 +163,6 @@ def describe(session: Session, subject: Subject, found: MotionSession) -> Sessio
     setup = found.setup
     return SessionDetail(
         **_row(found, repository.exercise_name(session, found)),
-        pipeline=setup["pipeline"],
         placements=list(setup["placements"]),
         rate_hz=setup["rate_hz"],
         orientation=setup["orientation"],
@@ -198,7 +197,11 @@ def _row(found: MotionSession, exercise_name: str | None) -> dict[str, Any]:
         "id patient_id exercise_id prescription_id purpose source state state_reason created_at started_at"
         " ended_at duration_s packets_stored packets_missing main_result_id"
     )
-    return {"exercise_name": exercise_name, **{name: getattr(found, name) for name in names.split()}}
+    return {
+        "exercise_name": exercise_name,
+        "pipeline": found.setup["pipeline"],
+        **{name: getattr(found, name) for name in names.split()},
+    }
 
 
 def _calibration(stored: dict[str, Any] | None) -> CalibrationOut | None:

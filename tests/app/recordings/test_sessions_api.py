@@ -80,6 +80,8 @@ def test_a_session_is_created_listed_and_shown(therapist: Any, world: Any, engin
     assert therapist.get(f"/api/sessions/{made['id']}").json() == made
     listed = therapist.get(f"/api/patients/{world.patient_id}/sessions").json()
     assert [row["id"] for row in listed] == [made["id"]]
+    # What is measured names a session without an exercise, in the list as on its page.
+    assert [row["pipeline"] for row in listed] == [made["pipeline"]] == ["arm"]
     assert {"session.create", "session.read", "session.list"} <= set(actions(engine))
 
 

@@ -5658,6 +5658,8 @@ export interface components {
             packets_stored: number;
             /** Patient Id */
             patient_id: string;
+            /** Pipeline */
+            pipeline: string;
             /** Prescription Id */
             prescription_id: string | null;
             /**
