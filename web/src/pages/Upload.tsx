@@ -8,6 +8,7 @@ import { useEstimators, useExercises, useFormats, useJob, usePatients, useSessio
 import type { Format, GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { CsvMappingForm } from '../components/forms/CsvMappingForm';
+import { Advanced } from '../components/forms/Advanced';
 import { DateField, isDateOrEmpty } from '../components/forms/DateField';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
@@ -245,14 +246,6 @@ export function UploadPage() {
             />
           ) : (
             <>
-              <Select
-                label={t('newSession.estimator')}
-                maw={480}
-                data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
-                value={orientation ?? null}
-                onChange={setWantedEstimator}
-                description={estimators.data?.find((one) => one.name === orientation)?.description}
-              />
               {hasPose && (
                 <>
                   <Switch
@@ -290,6 +283,18 @@ export function UploadPage() {
                 onChange={(value) => setPose([pose[0], Number(value) || 0])}
               />
             </Group>
+          )}
+          {!kind.asksFeetApart && (
+            <Advanced>
+              <Select
+                label={t('newSession.estimator')}
+                maw={480}
+                data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
+                value={orientation ?? null}
+                onChange={setWantedEstimator}
+                description={estimators.data?.find((one) => one.name === orientation)?.description}
+              />
+            </Advanced>
           )}
         </section>
         {send.error && <Problem error={send.error} />}

@@ -3,6 +3,7 @@ import { useState } from 'react';
 import { useEstimators } from '../../api/queries';
 import type { Estimator, Placement } from '../../api/types';
 import { Answer } from '../../components/Feedback';
+import { Advanced } from '../../components/forms/Advanced';
 import { RadioCards } from '../../components/forms/Choice';
 import { PlacementChoice } from '../../components/forms/PlacementChoice';
 import { t } from '../../i18n';
@@ -40,13 +41,6 @@ export function BeginArm(props: BeginProps) {
           {t(problem)}
         </p>
       )}
-      <EstimatorChoice value={orientation} onChange={setOrientation} />
-      <YesNo
-        label={t('newSession.constrain')}
-        description={t('newSession.constrainHelp')}
-        value={constrain}
-        onChange={setConstrain}
-      />
       {patient.has_mounting && (
         <YesNo
           label={t('newSession.mounting')}
@@ -60,6 +54,15 @@ export function BeginArm(props: BeginProps) {
           onChange={setUseMounting}
         />
       )}
+      <Advanced>
+        <EstimatorChoice value={orientation} onChange={setOrientation} />
+        <YesNo
+          label={t('newSession.constrain')}
+          description={t('newSession.constrainHelp')}
+          value={constrain}
+          onChange={setConstrain}
+        />
+      </Advanced>
     </BeginForm>
   );
 }

@@ -52,4 +52,15 @@ describe('a new session', () => {
     const sent = asked.find((one) => one.path === '/api/sessions');
     expect(sent?.body).toMatchObject({ patient_id: 'p', pipeline, placements, purpose: 'exercise' });
   });
+
+  it('asks for the filter and for iron under Advanced only, which is closed', async () => {
+    const { container } = open();
+    await kind(/^Arms, trunk and legs/);
+    const fold = screen.getByText('Advanced').closest('details');
+    expect(fold?.open).toBe(false);
+    const outside = container.cloneNode(true) as HTMLElement;
+    outside.querySelectorAll('details').forEach((one) => one.remove());
+    expect(outside.textContent).not.toMatch(/orientation is estimated|Near iron/);
+    expect(fold?.textContent).toMatch(/Near iron/);
+  });
 });

@@ -21,6 +21,7 @@ export const session: Translated<typeof english> = {
   'newSession.noExercise': 'Keine solche Übung',
   'newSession.prescribed': 'Verordnet',
   'newSession.others': 'Andere',
+  'form.advanced': 'Erweitert',
   'newSession.estimator': 'Wie die Orientierung geschätzt wird',
   'newSession.estimatorHelp': 'Das können Sie später ändern: Die Aufzeichnung selbst wird immer gespeichert.',
   'newSession.otherEstimators': 'Andere Verfahren, zum Vergleich mit früheren Arbeiten',
@@ -243,6 +244,8 @@ export const session: Translated<typeof english> = {
   'replay.title': 'Wiedergabe',
   'replay.tabs': 'Teile der Seite',
   'replay.failed': 'Die Bewegung konnte nicht geladen werden',
+  'replay.notMain':
+    'Gezeigt wird ein anderes Ergebnis als das hauptsächliche: {result}. Unter Details lässt es sich ändern.',
   'replay.result': 'Geschätzt mit',
   'replay.template': 'Vorlage',
   'replay.ghost': 'Vorlage als zweite Figur zeigen',

@@ -1,6 +1,6 @@
-import { Button } from '@mantine/core';
+import { Button, Select } from '@mantine/core';
 import { IconDownload } from '@tabler/icons-react';
-import { useNavigate } from 'react-router';
+import { useNavigate, useSearchParams } from 'react-router';
 import { useDeleteSession, useEstimators } from '../../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
@@ -30,8 +30,29 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
   const result = session.results.find((one) => one.id === resultId);
   const choices = estimators.data ?? [];
   const all = session.packets_stored + session.packets_missing;
+  const [, setSearch] = useSearchParams();
+  const complete = session.results.filter((one) => one.status === 'complete');
   return (
     <div className="stack">
+      {complete.length > 1 && (
+        <Select
+          label={t('replay.result')}
+          size="sm"
+          maw={700}
+          allowDeselect={false}
+          value={resultId}
+          onChange={(value) =>
+            setSearch(
+              (now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now),
+              { replace: true },
+            )
+          }
+          data={complete.map((one) => ({
+            value: one.id,
+            label: resultLabel(one, one.id === session.main_result_id, choices),
+          }))}
+        />
+      )}
       <dl className="facts">
         <dt>{t('details.recorded')}</dt>
         <dd>{dateTime(session.started_at ?? session.created_at)}</dd>

@@ -15,7 +15,7 @@ import {
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../../api/types';
 import { Traces } from '../../../charts/Traces';
 import { ChannelPicker } from '../../../components/forms/ChannelPicker';
-import { Answer, Problem } from '../../../components/Feedback';
+import { Answer, Notice, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { Timeline } from '../../../components/Timeline';
 import { Viewer3D } from '../../../components/Viewer3D';
@@ -278,42 +278,28 @@ function Loaded({ session }: { session: SessionDetail }) {
   const endS = session.recording_end_s ?? session.duration_s;
   const player = useReplayPlayer(session.id, resultId, startS, endS);
   const isWaiting = comparisons.isPending || (summary !== null && comparison.isPending);
+  const shown = complete.find((one) => one.id === resultId);
+  const shownLabel = shown ? resultLabel(shown, false, estimators.data ?? []) : '';
   if (!resultId) return <Problem error={new Error(session.state_reason || t('replay.noResult'))} />;
   if (endS <= startS) return <Problem error={new Error(t('replay.nothingRecorded'))} />;
   return (
     <>
-      {complete.length > 1 && (
+      {resultId !== session.main_result_id && session.main_result_id && (
+        <Notice>{t('replay.notMain', { result: shownLabel })}</Notice>
+      )}
+      {ofResult.length > 1 && (
         <div className="result-choice">
           <Select
-            label={t('replay.result')}
+            label={t('replay.template')}
             size="sm"
-            w={700}
-            maw="100%"
-            value={resultId}
-            onChange={(value) =>
-              setSearch(
-                (now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now),
-                { replace: true },
-              )
-            }
-            data={complete.map((one) => ({
+            w={300}
+            value={summary?.id ?? null}
+            onChange={(value) => setSearch((now) => (value && now.set('comparison', value), now), { replace: true })}
+            data={ofResult.map((one) => ({
               value: one.id,
-              label: resultLabel(one, one.id === session.main_result_id, estimators.data ?? []),
+              label: `${one.template_name}, ${dateTime(one.created_at)}`,
             }))}
           />
-          {ofResult.length > 1 && (
-            <Select
-              label={t('replay.template')}
-              size="sm"
-              w={300}
-              value={summary?.id ?? null}
-              onChange={(value) => setSearch((now) => (value && now.set('comparison', value), now), { replace: true })}
-              data={ofResult.map((one) => ({
-                value: one.id,
-                label: `${one.template_name}, ${dateTime(one.created_at)}`,
-              }))}
-            />
-          )}
         </div>
       )}
       {comparison.error && <Problem error={comparison.error} />}
