@@ -17,6 +17,7 @@ import { date, number, quantity, withUnit } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { CourseWords } from './CourseWords';
 import { PhaseLegend } from './PhaseLegend';
+import { Papers } from './Papers';
 import { Sheet } from './Sheet';
 
 const EPOCH = new Date(0);
@@ -251,11 +252,11 @@ export function CoursePage() {
               {(found) => (
                 <Answer of={progress} lines={8} height={40}>
                   {(over) => (
-                    <div className="papers">
+                    <Papers>
                       <Summary patient={who} course={found} progress={over} />
                       <Curves patient={who} course={found} />
                       <Indices patient={who} course={found} progress={over} />
-                    </div>
+                    </Papers>
                   )}
                 </Answer>
               )}

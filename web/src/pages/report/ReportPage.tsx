@@ -20,6 +20,7 @@ import { dateTime } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
+import { Papers } from './Papers';
 import { SummarySheet } from './SummarySheet';
 import { partsOf } from '../../kinds/parts';
 import { sessionTitle } from '../../lib/sessions';
@@ -60,7 +61,7 @@ function Sheets({ session, patient }: { session: SessionDetail; patient: Patient
     progress: progress.data ?? null,
   };
   return (
-    <div className="papers">
+    <Papers>
       <SummarySheet {...report} />
       {report.comparison && report.comparison.repetitions.length > 0 && (
         <CurvesSheet {...report} comparison={report.comparison} />
@@ -71,7 +72,7 @@ function Sheets({ session, patient }: { session: SessionDetail; patient: Patient
         estimators={estimators.data ?? []}
         exercise={exercises.data?.find((one) => one.id === session.exercise_id) ?? null}
       />
-    </div>
+    </Papers>
   );
 }
 

@@ -39,7 +39,10 @@ export function Sheet({
         <span>
           {session && <>{t('report.session', { id: session.id.slice(0, 8) })} · </>}
           {version && <>{t('report.software', { version })} · </>}
-          {t('report.page', { number })}
+          {/* On paper a sheet may follow that the screen has not. */}
+          <span className="paper-number" data-words={t('report.page', { number: '#' })}>
+            {t('report.page', { number })}
+          </span>
         </span>
       </footer>
     </section>

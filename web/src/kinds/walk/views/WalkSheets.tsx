@@ -19,6 +19,7 @@ import { dateTime, number, quantity, withUnit } from '../../../lib/format';
 import { estimatorTitle } from '../../../lib/sessions';
 import { findMeasure, footOf, measureLabel, measureNames, measureText, strideCount } from '../gait';
 import { CurvesSheet } from '../../../pages/report/CurvesSheet';
+import { Papers } from '../../../pages/report/Papers';
 import { Sheet } from '../../../pages/report/Sheet';
 import { verdict, verdictText } from '../../../pages/report/SummarySheet';
 
@@ -294,7 +295,7 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
       {(walk) => {
         const names = [...new Set(walk.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
         return (
-          <div className="papers">
+          <Papers>
             <Summary
               session={session}
               patient={patient}
@@ -317,7 +318,7 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
               gait={walk}
               page={2 + Number(names.length > 0) + Number(hasStrides)}
             />
-          </div>
+          </Papers>
         );
       }}
     </Answer>
