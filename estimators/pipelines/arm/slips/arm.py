@@ -76,17 +76,17 @@ class Chain:
     def neighbours(self, link: Link) -> list[Float]:
         """Return what all others say of where the segment should be: postures to be found again.
 
-        Of a middle segment the distal neighbour seen from the proximal one, of a hand the elbow, of the trunk both
-        upper arms. Empty where nobody can say.
+        Of a segment between two worn ones the distal neighbour seen from the proximal one, of the last of an arm how
+        its neighbour stands, of the trunk both upper arms. Empty where nobody can say.
         """
-        if link.is_hand:
-            assert link.proximal is not None or link.distal is None
-            fore = link.proximal
-            return [] if fore is None else [self.between(self.links[fore].proximal, fore)]
         if link.side is None:
             uppers = [one for one in self.links.values() if one.name.startswith("upper_arm")]
             return [self.between(link.proximal, one.name) for one in uppers]
-        return [] if link.distal is None else [self.between(link.proximal, link.distal)]
+        if link.distal is not None:
+            return [self.between(link.proximal, link.distal)]
+        if link.proximal is None:
+            return []
+        return [self.between(self.links[link.proximal].proximal, link.proximal)]
 
     def is_whole(self, link: Link, first: int, stop: int) -> bool:
         """Say whether a segment and its neighbours were measured all the time between two ticks."""

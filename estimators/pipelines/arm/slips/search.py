@@ -137,6 +137,9 @@ def _evidence(chain: Chain, link: Link, moment_s: float, shift: Shift) -> Proof 
     """Return what proves a shift to be a slip."""
     tick = int(np.searchsorted(chain.motion.time_s, moment_s))
     is_twist = abs(shift.turn_rad[2]) > _LONG_AXIS_SHARE * shift.size_rad and link.side is not None
+    if is_twist and not link.is_hand and link.distal is None:
+        # It reads as a pronation, or as a turn of the whole arm.
+        return None
     if not is_twist:
         # Somebody who leans on the elbow raises the upper arm, too; a worn trunk would feel that.
         has_base = link.proximal is not None or link.side is None

@@ -13,7 +13,7 @@ from estimators.pipelines.arm.slips.flagged import FLAG
 from estimators.simulation import ArmScenario, MovementStyle, Schedule, simulate_arm
 from estimators.simulation._sensors import Mounting
 from estimators.simulation.arm.exercises import EXERCISES, Exercise, Stop
-from estimators.simulation.faults import turn_in_strap
+from estimators.simulation.faults import kill_sensor, saturate, turn_in_strap
 from tests.estimators.snapshots import cases
 from tests.said import codes
 
@@ -255,6 +255,29 @@ def test_what_cannot_be_told_from_movement_is_not_told():
     """Without a sensor on the hand, a forearm's sensor that turns about the forearm reads as pronation does."""
     made = session("reaching", seed=12, placements=NO_HAND)
     assert slips_of(turned(made, "forearm_right", resting_s(made), 0.3, LONG, 30.0), made.setup)[0] == ()
+
+
+def test_across_the_limb_the_last_sensor_of_an_arm_is_judged_by_what_it_did_not_feel():
+    made = session("reaching", seed=12, placements=NO_HAND)
+    (slip,), *_ = slips_of(turned(made, "forearm_right", resting_s(made), 0.3, ACROSS, 30.0), made.setup)
+    assert slip.placement == "forearm_right"
+    assert np.degrees(slip.turn_rad) == pytest.approx([30.0, 0.0, 0.0], abs=5.0)
+
+
+@pytest.mark.parametrize("fault", ["lost", "at its end", "pressed"])
+def test_lost_clipped_and_pressed_sensors_have_not_slipped(fault):
+    """Pressed: turned and back within a second, as by a hand that scratches beside it."""
+    made = session("drinking", seed=17, soft_deg=5.0, style=MovementStyle(speed=1.6))
+    recording, at_s = made.recording, resting_s(made)
+    if fault == "lost":
+        recording = kill_sensor(recording, "forearm_right", at_s - 2.0, at_s + 1.0)
+    elif fault == "at its end":
+        recording = saturate(recording, "forearm_right", gyroscope_radps=2.2)
+    else:
+        recording = turned(made, "forearm_right", at_s - 0.5, 0.1, LONG, 30.0)
+        turn = rotation.rotate(made.truth.q_sensor_segment["forearm_right"], np.radians([0.0, 0.0, -30.0]))
+        recording = turn_in_strap(recording, "forearm_right", at_s + 0.5, tuple(turn), 0.1)
+    assert slips_of(recording, made.setup)[0] == ()
 
 
 def test_a_sensor_put_right_before_the_pose_is_none():
