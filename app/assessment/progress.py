@@ -19,7 +19,7 @@ from app.assessment.practice import zone_of
 from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint, ProgressTrend
 from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
-from app.exercises.doses import DoseThen, dose_histories
+from app.exercises.doses import DoseThen, dose_histories, lasting
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
@@ -212,7 +212,7 @@ def _events(
     history = dose_histories(session, [prescription for prescription, _ in rows])
     for prescription, movement in rows:
         # Each dose where it began to hold: a later one says nothing of the days before it.
-        for held in history[prescription.id]:
+        for held in lasting(history[prescription.id]):
             text = say("progress.prescribed", dose=dose(held, movement))
             events.append(ProgressEvent(at=held.start, kind="prescription", text=text))
     return sorted(events, key=lambda event: event.at)

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any, Final
 
 from sqlalchemy import select
@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from app.exercises.models import Prescription, PrescriptionChange
 
+LEAST_HELD: Final = timedelta(hours=12)
 _FIELDS: Final = ("repetitions", "sets", "times_per_week", "days", "times")
 
 
@@ -73,6 +74,17 @@ def doses_of(prescription: Prescription, changes: Iterable[PrescriptionChange] =
     return found[::-1]
 
 
+def lasting(doses: Sequence[DoseThen]) -> list[DoseThen]:
+    """Return the doses that held for half a day or longer, and the present one: a slip that was mended is no history.
+
+    Parameters
+    ----------
+    doses : sequence of DoseThen
+        Of one prescription.
+    """
+    return [one for one in doses if one.end is None or one.end - one.start >= LEAST_HELD]
+
+
 def dose_on(doses: Sequence[DoseThen], at: datetime) -> DoseThen:
     """Return the dose that held at a moment; before the first one, the first.
 
@@ -113,4 +125,4 @@ def _then(state: dict[str, Any], start: datetime, end: datetime | None) -> DoseT
     )
 
 
-__all__ = ["DoseHistory", "DoseThen", "dose_histories", "dose_on", "doses_of"]
+__all__ = ["DoseHistory", "DoseThen", "dose_histories", "dose_on", "doses_of", "lasting"]

@@ -13,7 +13,7 @@ from app.assessment.progress import dose
 from app.assessment.worries.stopped import stopped_for_pain
 from app.database.base import utc_now
 from app.errors import NotFound
-from app.exercises.doses import dose_histories
+from app.exercises.doses import dose_histories, lasting
 from app.exercises.models import Exercise, Prescription
 from app.patients.access import require_patient
 from app.recordings.models import MotionSession
@@ -73,7 +73,7 @@ def course(
     zone = zone_of(session, subject.clinic_id, default_zone)
     now = utc_now()
     history = dose_histories(session, prescriptions)
-    held = sorted((each for one in history.values() for each in one), key=lambda one: one.start)
+    held = sorted((each for one in history.values() for each in lasting(one)), key=lambda one: one.start)
     hurt = stopped_for_pain(session, [patient_id], now - ADHERENCE_WINDOW)[patient_id]
     return CourseOut(
         exercise_id=exercise_id,

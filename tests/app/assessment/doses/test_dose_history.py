@@ -8,7 +8,7 @@ from app.assessment import practice
 from app.assessment.practice import Done, adherence, share_out
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import unit_of_work
-from app.exercises.doses import dose_on, doses_of
+from app.exercises.doses import dose_on, doses_of, lasting
 from app.exercises.models import PrescriptionChange
 from app.recordings.models import SessionEvent
 from app.time_zones import UTC
@@ -39,6 +39,15 @@ def test_each_day_has_the_dose_that_held_on_it() -> None:
     ]
     assert dose_on(doses, utc("2026-06-14T23:59")).times_per_week == 7
     assert dose_on(doses, utc("2026-05-01T00:00")).times_per_week == 4
+    slip = [
+        *changes,
+        changed(one, 4, "2026-06-20T00:00", times_per_week=2),
+        changed(one, 5, "2026-06-20T00:05", times_per_week=9),
+    ]
+    assert [each.times_per_week for each in doses_of(one, slip)] == [4, 7, 2, 9, 2]
+    assert [each.times_per_week for each in lasting(doses_of(one, slip))] == [4, 7, 2, 2], (
+        "mended after minutes"
+    )
     early = [changed(one, 1, "2026-05-20T00:00", times_per_week=5)]
     assert [each.times_per_week for each in doses_of(one, early)] == [2], "changed before it began"
 
