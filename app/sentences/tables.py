@@ -60,6 +60,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "time.does_not_advance": "The time column does not advance; choose another one, or give the rate instead.",
     "time.hopeless": "{count:number} of {rows:number} rows have no usable time; choose another time column, or give the"
     " rate instead.",
+    "table.joined": "The quantities of {where:place} have times of their own; they are joined by time.",
+    "table.clocks_apart": "The clocks of {where:and} have no time in common: two of them were never on at once. Upload"
+    " each sensor by itself, or choose one clock for all.",
+    "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
+    "guess.own_clocks": "The sensors have clocks of their own: {columns:and}. They are taken to count from one moment.",
+    "table.sensors_joined": "The stamps of {where:and} differ; all are brought to one time.",
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
     " column is what.",
     "guess.no_signal": "No three columns are named as x, y and z of an angular rate or an acceleration.",

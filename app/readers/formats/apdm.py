@@ -12,8 +12,8 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.readers.contract import TEXT, Reader, Source
 from app.readers.moments import as_metadata
+from app.readers.tables.clocks.stamps import UNIT_FACTORS, nominal_rate
 from app.readers.tables.head import TableHead, head_of_file
-from app.readers.tables.time import UNIT_FACTORS, nominal_rate
 from app.readers.units import TO_SI, UNITS, check_accelerometer, check_gyroscope, check_magnetometer
 from app.sentences import say
 from estimators.conventions import Placement
@@ -82,7 +82,7 @@ def read_apdm(path: Path) -> Recording:
         Columns are missing, values are no numbers, time does not advance, or a unit cannot be right.
     """
     from app.readers.tables.body import read_table
-    from app.readers.tables.time_mended import mended
+    from app.readers.tables.clocks.mended import mended
 
     head = head_of_file(path, ",")
     time = next((name for name in head.columns if name.partition(" ")[0] == "Time"), None)

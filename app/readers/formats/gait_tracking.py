@@ -8,8 +8,8 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
 from app.readers.tables.body import read_columns
-from app.readers.tables.time import nominal_rate
-from app.readers.tables.time_mended import mended
+from app.readers.tables.clocks.mended import mended
+from app.readers.tables.clocks.stamps import nominal_rate
 from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Recording, SensorSignals

@@ -14,7 +14,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
 from app.readers.tables.body import MAX_VALUES
-from app.readers.tables.time import nominal_rate
+from app.readers.tables.clocks.stamps import nominal_rate
 from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import GRAVITY_MPS2, SIDES

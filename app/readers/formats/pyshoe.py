@@ -12,7 +12,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
 from app.readers.mat import load_mat
-from app.readers.tables.time import nominal_rate, seconds_of
+from app.readers.tables.clocks.stamps import nominal_rate, seconds_of
 from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals

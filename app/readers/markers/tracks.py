@@ -10,7 +10,7 @@ from app.errors import RecordingFormatError
 from app.readers.markers.c3d import read_c3d
 from app.readers.markers.schemas import MarkerFileIn
 from app.readers.tables.body import MAX_LINE_BYTES, read_columns
-from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, seconds_of
+from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, seconds_of
 from app.sentences import say
 from estimators.optical import TURNS
 from estimators.recording import Float

@@ -2,6 +2,7 @@
 
 import io
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
@@ -45,7 +46,7 @@ def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[s
 
 
 def read_table(
-    path: Path, wanted: list[str], head: TableHead, text: str | None = None
+    path: Path, wanted: list[str], head: TableHead, text: Collection[str] = ()
 ) -> tuple[dict[str, NDArray[Any]], tuple[Sentence, ...]]:
     """Read the wanted columns of a table whose head is known; see `read_columns`.
 
@@ -54,8 +55,8 @@ def read_table(
     path : Path
     wanted : list of str
     head : TableHead
-    text : str, optional
-        The one of them that is read as it is written.
+    text : collection of str
+        Those of them that are read as they are written.
 
     Returns
     -------
@@ -92,7 +93,7 @@ def read_table(
             raise _in_words(refused, head) from refused
 
 
-def _heads_again(path: Path, wanted: list[str], head: TableHead, text: str | None) -> list[int]:
+def _heads_again(path: Path, wanted: list[str], head: TableHead, text: Collection[str]) -> list[int]:
     """Return in which lines the names of the columns stand again.
 
     Raises
@@ -101,7 +102,7 @@ def _heads_again(path: Path, wanted: list[str], head: TableHead, text: str | Non
         A value of another line is not a number.
     """
     found: list[int] = []
-    places = [(head.columns.index(name), name) for name in wanted if name != text]
+    places = [(head.columns.index(name), name) for name in wanted if name not in text]
     with opened(path, head.encoding) as file:
         for number, line in enumerate(iter(lambda: file.readline(MAX_LINE_BYTES), b""), 1):
             if number <= head.skipped_lines or not line.strip():
@@ -129,13 +130,13 @@ def _read_with(
     wanted: list[str],
     head: TableHead,
     decimal_point: str,
-    text: str | None,
+    text: Collection[str],
     without: frozenset[int] = frozenset(),
 ) -> tuple[dict[str, NDArray[Any]], tuple[Sentence, ...]]:
     import pyarrow as pa
     from pyarrow import csv
 
-    types = {name: pa.string() if name == text else pa.float64() for name in wanted}
+    types = {name: pa.string() if name in text else pa.float64() for name in wanted}
     parts: dict[str, list[Any]] = {name: [] for name in wanted}
     values = left_out = 0
 
@@ -178,7 +179,7 @@ def _read_with(
     if not values:
         raise RecordingFormatError(say("table.no_rows"))
     table = {
-        name: np.concatenate(pieces).astype(object if name == text else np.float64, copy=False)
+        name: np.concatenate(pieces).astype(object if name in text else np.float64, copy=False)
         for name, pieces in parts.items()
     }
     return table, (say("table.rows_left_out", count=left_out),) if left_out else ()

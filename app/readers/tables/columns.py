@@ -1,21 +1,24 @@
 """CSV with a declared mapping: which columns are what, in which unit. Checked in words."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from app.errors import RecordingFormatError
 from app.readers.moments import as_metadata
 from app.readers.tables.body import read_table
-from app.readers.tables.clock import CLOCK, seconds_of_clock
-from app.readers.tables.counter import COUNT, seconds_of_counter
+from app.readers.tables.clocks.counter import COUNT
+from app.readers.tables.clocks.mended import usual_interval
+from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
+from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, nominal_rate
 from app.readers.tables.guess import SINGLE
 from app.readers.tables.head import TableHead, head_of_file
 from app.readers.tables.schemas import CsvColumn, CsvMapping
-from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, check_unit, nominal_rate
-from app.readers.tables.time_mended import mended, usual_interval
+from app.readers.tables.streams import Clock, Stream, joined, share_rows, stream_of
 from app.readers.units import (
     TO_SI,
     UNITS,
@@ -42,34 +45,27 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     """
     by_placement = _check_mapping(mapping)
     head = head_of_file(path, mapping.delimiter)
+    clocks = {c for one in mapping.signals if (c := one.time_column or mapping.time_column) is not None}
+    text = {column for signal in mapping.signals for column in signal.rows}
+    if mapping.time_unit == CLOCK:
+        text |= clocks
     wanted = [_source(name, head)[0] for signal in mapping.signals for name in signal.columns]
-    if mapping.time_column is not None:
-        wanted.append(mapping.time_column)
-    clock = mapping.time_column if mapping.time_unit == CLOCK else None
-    table, said_of_rows = read_table(path, list(dict.fromkeys(wanted)), head, clock)
+    table, said_of_rows = read_table(path, list(dict.fromkeys([*wanted, *sorted(clocks | text)])), head, text)
     notes = list(said_of_rows)
-    if clock is not None:
+    for clock in sorted(clocks) if mapping.time_unit == CLOCK else ():
         table[clock], said = seconds_of_clock(table[clock].tolist())
         notes += said
+    for column in text - clocks if mapping.time_unit == CLOCK else text:
+        table[column] = np.array([str(value or "").strip() for value in table[column]], dtype=object)
     recorded = _first_moment(mapping, table)
-    rows = len(next(iter(table.values())))
-    if rows < 2:
-        raise RecordingFormatError(say("file.too_few_rows"))
-    if mapping.time_column is not None:
-        with _naming([mapping.time_column]):
-            table, time_s, mended_notes = _on_time(table, mapping.time_column, mapping)
-        notes += mended_notes
-        rate_hz = mapping.rate_hz or nominal_rate(time_s)
-    else:
-        assert mapping.rate_hz is not None
-        rate_hz = mapping.rate_hz
-        time_s = np.arange(rows) / rate_hz
-    sensors = {
-        placement: _sensor(placement, quantities, table, time_s, head)
-        for placement, quantities in by_placement.items()
-    }
+    reader = _Sensors(mapping, table, head)
+    sensors = {placement: reader.sensor(placement, by_placement[placement]) for placement in by_placement}
     return Recording(
-        sensors, rate_hz, origin="CSV file", metadata={"format": "csv", **recorded}, notes=tuple(notes)
+        reader.together(sensors),
+        mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values()),
+        origin="CSV file",
+        metadata={"format": "csv", **recorded},
+        notes=tuple(dict.fromkeys((*notes, *reader.notes))),
     )
 
 
@@ -78,33 +74,107 @@ def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str
     if (
         mapping.time_unit in (CLOCK, COUNT)
         or mapping.time_column is None
+        or mapping.time_column not in table
         or not len(table[mapping.time_column])
     ):
         return {}
     return as_metadata(float(table[mapping.time_column][0]) * UNIT_FACTORS[mapping.time_unit])
 
 
-def _on_time(
-    table: dict[str, Float], column: str, mapping: CsvMapping
-) -> tuple[dict[str, Float], Float, list[Sentence]]:
-    """Return the rows that have a place in time, that time, and what was mended."""
-    others = np.stack([values for name, values in table.items() if name != column], axis=1)
-    stamps, unit, notes = table[column], mapping.time_unit, list[Sentence]()
-    if unit == COUNT:
-        assert mapping.rate_hz is not None
-        stamps, notes = seconds_of_counter(stamps, mapping.rate_hz)
-    if unit in (COUNT, CLOCK):
-        unit = "s"
-    found = mended(stamps, UNIT_FACTORS[unit], others)
-    if found.time_s.size < 2:
-        raise RecordingFormatError(say("file.too_few_rows"))
-    check_unit(usual_interval(found.time_s) / UNIT_FACTORS[unit], unit)
-    table = {name: values[found.rows] for name, values in table.items()}
-    return table, found.time_s, [*notes, *found.notes]
+class _Sensors:
+    """The sensors of a table, each by the clocks of its signals."""
+
+    def __init__(self, mapping: CsvMapping, table: dict[str, Any], head: TableHead) -> None:
+        self._mapping, self._table, self._head = mapping, table, head
+        self._count = len(next(iter(table.values())))
+        if self._count < 2:
+            raise RecordingFormatError(say("file.too_few_rows"))
+        self._streams: dict[Hashable, Stream] = {}
+        self.notes: list[Sentence] = []
+
+    def sensor(self, placement: str, quantities: dict[str, CsvColumn]) -> SensorSignals:
+        """Return the signals of one sensor, on the stamps of its gyroscope."""
+        values = {name: self._values(one) for name, one in quantities.items()}
+        base = quantities["gyroscope"]
+        is_one = len({(one.time_column, *sorted(one.rows.items())) for one in quantities.values()}) == 1
+        if is_one and all(share_rows(values["gyroscope"], one) for one in values.values()):
+            # Of one clock for all, whatever any sensor holds tells a row that was written twice.
+            of = quantities.values() if base.rows or base.time_column else self._mapping.signals
+            stream = self._stream(base, *of)
+            found = {name: one[stream.rows] for name, one in values.items()}
+        else:
+            stream = self._stream(base, base)
+            found = {"gyroscope": values["gyroscope"][stream.rows]}
+            for name, one in quantities.items():
+                if name != "gyroscope":
+                    own = self._stream(one, one)
+                    found[name] = joined(own.time_s, values[name][own.rows], stream.time_s)
+            self.notes.append(say("table.joined", where=placement))
+        self._check(placement, quantities, found, float(np.median(np.diff(stream.time_s))))
+        return SensorSignals(
+            stream.time_s, found["gyroscope"], found["accelerometer"], found.get("magnetometer")
+        )
+
+    def _check(
+        self, placement: str, quantities: dict[str, CsvColumn], found: dict[str, Float], step_s: float
+    ) -> None:
+        """Refuse what cannot be in the unit that was declared, with the names of its columns."""
+        for name, one in quantities.items():
+            with _naming(one.columns):
+                if name == "gyroscope":
+                    check_gyroscope(found[name], one.unit, placement)
+                elif name == "accelerometer":
+                    check_accelerometer(found[name], step_s, one.unit, placement)
+                else:
+                    check_magnetometer(found[name], one.unit, placement)
+
+    def together(self, sensors: dict[str, SensorSignals]) -> dict[str, SensorSignals]:
+        """Return all sensors on one time that begins with the first of them; on even stamps where theirs differ.
+
+        Raises
+        ------
+        RecordingFormatError
+            Two of them were never on at once: their clocks have nothing in common.
+        """
+        first = min(float(one.time_s[0]) for one in sensors.values())
+        earliest_end = min(float(one.time_s[-1]) for one in sensors.values())
+        latest = max(float(one.time_s[0]) for one in sensors.values())
+        if latest > earliest_end:
+            raise RecordingFormatError(say("table.clocks_apart", where=list(sensors)))
+        sensors = {name: replace(one, time_s=one.time_s - first) for name, one in sensors.items()}
+        base = next(iter(sensors.values())).time_s
+        if all(np.array_equal(base, one.time_s) for one in sensors.values()):
+            return sensors
+        self.notes.append(say("table.sensors_joined", where=list(sensors)))
+        step_s = min(usual_interval(one.time_s) for one in sensors.values())
+        last_s = max(float(one.time_s[-1]) for one in sensors.values())
+        at_s = step_s * np.arange(round(last_s / step_s) + 1, dtype=np.float64)
+        return {name: _at(one, at_s) for name, one in sensors.items()}
+
+    def _values(self, signal: CsvColumn) -> Float:
+        sources = [_source(name, self._head) for name in signal.columns]
+        axes = [sign * self._table[name] for name, sign in sources]
+        return np.stack(axes, axis=1) * (signal.sign * TO_SI[signal.unit])
+
+    def _stream(self, signal: CsvColumn, *of: CsvColumn) -> Stream:
+        """Return the samples on the clock of a signal; `of`: the signals whose columns tell its rows apart."""
+        column = signal.time_column or self._mapping.time_column
+        columns = list(dict.fromkeys(_source(name, self._head)[0] for one in of for name in one.columns))
+        key = column, tuple(sorted(signal.rows.items())), tuple(columns)
+        if key not in self._streams:
+            there = np.ones(self._count, dtype=np.bool_)
+            for name, value in signal.rows.items():
+                there &= self._table[name] == value
+            clock = Clock(column, self._mapping.time_unit, self._mapping.rate_hz)
+            with _naming([column] if column else columns):
+                self._streams[key] = stream_of(self._table, np.flatnonzero(there), clock, columns)
+            self.notes += self._streams[key].notes
+        return self._streams[key]
 
 
 def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
-    if mapping.rate_hz is None and (mapping.time_column is None or mapping.time_unit == COUNT):
+    has_clock = mapping.time_column is not None or all(one.time_column for one in mapping.signals)
+    if mapping.rate_hz is None and (not has_clock or mapping.time_unit == COUNT):
         raise RecordingFormatError(say("mapping.no_time"))
     if mapping.rate_hz is not None and not LOWEST_HZ <= mapping.rate_hz <= HIGHEST_HZ:
         raise RecordingFormatError(
@@ -165,36 +235,22 @@ def _naming(columns: Sequence[str]) -> Iterator[None]:
         ) from error
 
 
+def _at(signals: SensorSignals, at_s: Float) -> SensorSignals:
+    """Return the signals of a sensor at other times."""
+    field = signals.magnetometer_t
+    return SensorSignals(
+        at_s,
+        joined(signals.time_s, signals.gyroscope_radps, at_s),
+        joined(signals.time_s, signals.accelerometer_mps2, at_s),
+        None if field is None else joined(signals.time_s, field, at_s),
+    )
+
+
 def _source(name: str, head: TableHead) -> tuple[str, float]:
     """Return the column that a name of a mapping stands for, and its sign: `-acc_z` turns one, unless it is a name."""
     if name.startswith("-") and name not in head.columns and name[1:].strip() in head.columns:
         return name[1:].strip(), -1.0
     return name, 1.0
-
-
-def _sensor(
-    placement: str, quantities: dict[str, CsvColumn], table: dict[str, Float], time_s: Float, head: TableHead
-) -> SensorSignals:
-    def values(quantity: str) -> Float | None:
-        signal = quantities.get(quantity)
-        if signal is None:
-            return None
-        sources = [_source(name, head) for name in signal.columns]
-        axes = [sign * table[name] for name, sign in sources]
-        return np.stack(axes, axis=1) * (signal.sign * TO_SI[signal.unit])
-
-    gyroscope, accelerometer, field = values("gyroscope"), values("accelerometer"), values("magnetometer")
-    assert gyroscope is not None
-    assert accelerometer is not None
-    with _naming(quantities["gyroscope"].columns):
-        check_gyroscope(gyroscope, quantities["gyroscope"].unit, placement)
-    with _naming(quantities["accelerometer"].columns):
-        step_s = float(np.median(np.diff(time_s)))
-        check_accelerometer(accelerometer, step_s, quantities["accelerometer"].unit, placement)
-    if field is not None:
-        with _naming(quantities["magnetometer"].columns):
-            check_magnetometer(field, quantities["magnetometer"].unit, placement)
-    return SensorSignals(time_s, gyroscope, accelerometer, field)
 
 
 __all__ = ["read_csv"]

@@ -5,11 +5,12 @@ The upload page asks the service for it, `telemotion process --guess` and `telem
 
 import re
 from collections import defaultdict
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from app.readers.tables.clocks.guess import guess_time, own_clocks
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import (
     Named,
@@ -18,7 +19,7 @@ from app.readers.tables.names import (
     placement_of,
     side_of,
 )
-from app.readers.tables.time_guess import guess_time
+from app.readers.tables.rows import Turns, devices_of_rows, kinds_of_rows
 from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
 from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
@@ -38,6 +39,10 @@ class Triple:
     device: str
     unit: str
     has_gravity: bool
+    rows: dict[str, str] = field(default_factory=dict)
+    """Which rows hold it; see `CsvColumn.rows`."""
+    clock: str | None = None
+    """Its own time column."""
 
 
 @dataclass(frozen=True)
@@ -80,14 +85,26 @@ def guess_of_head(
     notes: list[Sentence] = []
     missing: list[Sentence] = []
     body = Body(head)
-    triples, left_out = _sensors(_triples(head.columns))
+    kinds = kinds_of_rows(head, body)
+    triples, left_out = _sensors(_of_kinds(head, body, kinds) if kinds else _triples(head.columns))
     if left_out:
         notes.append(say("guess.left_out", columns=[column for one in left_out for column in one.columns]))
     if not body.has_rows:
         missing.append(say("table.no_rows"))
     elif not triples:
         missing.append(_why_none(head, left_out))
-    time = guess_time(head, body, {column for one in triples for column in one.columns}, rate_hz)
+    signals_of = {column for one in triples for column in one.columns}
+    time = guess_time(head, body.of_rows(triples[0].rows) if triples else body, signals_of, rate_hz)
+    if not kinds and triples:
+        others = [c for c in head.columns if c not in signals_of and c != time.column]
+        if turns := devices_of_rows(body, others, time.column, time.unit):
+            triples = _of_devices(triples, turns)
+            notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
+            time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)
+    if clocks := own_clocks(head, body, [(one.device, one.quantity) for one in triples], signals_of):
+        triples = [replace(one, clock=clocks[one.device, one.quantity]) for one in triples]
+        time = replace(time, column=triples[0].clock, notes=())
+        notes.append(say("guess.own_clocks", columns=sorted(set(clocks.values()))))
     notes += time.notes
     missing += time.missing
     known = [_with_unit(body, one, triples, time.step_s, notes, missing) for one in triples]
@@ -127,6 +144,37 @@ def _triples(columns: tuple[str, ...]) -> list[Triple]:
         for axes in groups.values()
         if len(axes) == 3
     ]
+
+
+def _of_kinds(head: TableHead, body: Body, kinds: Turns) -> list[Triple]:
+    """Return a triple for each kind of rows; all stand in the same three columns."""
+    plain = [(column, named(column, letters=True)) for column in head.columns]
+    axes: dict[tuple[str, ...], dict[str, str]] = defaultdict(dict)
+    for column, one in plain:
+        if one is not None:
+            axes[one.stem].setdefault(one.axis, column)
+    whole = next((found for found in axes.values() if len(found) == 3), None)
+    if whole is None:
+        return []
+    columns = (whole["x"], whole["y"], whole["z"])
+    return [
+        Triple(columns, quantity, "", "", True, {kinds.column: value})
+        for value, quantity in kinds.quantities.items()
+    ]
+
+
+def _of_devices(triples: list[Triple], turns: Turns) -> list[Triple]:
+    """Return the triples once for each device whose rows take turns."""
+    several = len({one.device for one in triples}) > 1
+    found: list[Triple] = []
+    for value in turns.values:
+        name = re.sub(r"[^\w .-]+", "_", value).strip("_ .-")[:60] or str(turns.values.index(value) + 1)
+        name = f"{turns.column}_{name}".replace(" ", "_") if name.isdigit() else name
+        found += [
+            replace(one, device=f"{name}_{one.device}" if several else name, rows={turns.column: value})
+            for one in triples
+        ]
+    return found
 
 
 def _sensors(triples: list[Triple]) -> tuple[list[Triple], list[Triple]]:
@@ -183,7 +231,8 @@ def _with_unit(
     """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out."""
     if one.unit:
         return one
-    values = body.numbers(*one.columns)
+    mine = body.of_rows(one.rows)
+    values = mine.numbers(*one.columns)
     if one.quantity == "accelerometer":
         unit = accelerometer_unit(values)
         if not unit:
@@ -198,7 +247,11 @@ def _with_unit(
             return None
     else:
         force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
-        unit = gyroscope_unit(values, body.numbers(*force.columns), step_s)
+        if force.rows == one.rows:
+            unit = gyroscope_unit(values, mine.numbers(*force.columns), step_s)
+        else:
+            # In rows of its own: nothing of it was measured with this.
+            unit = gyroscope_unit(values, np.full_like(values, np.nan), None)
     if unit:
         notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
         return replace(one, unit=unit)
@@ -232,6 +285,8 @@ def _placed(
             "quantity": one.quantity,
             "columns": list(one.columns),
             "unit": one.unit,
+            **({"rows": one.rows} if one.rows else {}),
+            **({"time_column": one.clock} if one.clock else {}),
         }
         for one in triples
     ]

@@ -131,7 +131,7 @@ def named(column: str, *, letters: bool = False) -> Named | None:
     if not places:
         return None
     axis = words.pop(places[-1])
-    quantity = _quantity(words, letters=letters)
+    quantity = quantity_of(words, letters=letters)
     is_letter = letters and bool(words) and words[-1] in _LETTERS
     mine = [w for w in words[: -1 if is_letter else None] if not (_OF_QUANTITIES.match(w) or w in _FILLERS)]
     return Named(
@@ -149,7 +149,7 @@ def words_of(text: str) -> list[str]:
     found: list[str] = []
     for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-zäöüß]+|[0-9]+", text):
         word = part.lower()
-        if len(word) > 1 and word[-1] in AXES and _quantity([word[:-1]], letters=True):
+        if len(word) > 1 and word[-1] in AXES and quantity_of([word[:-1]], letters=True):
             found += [word[:-1], word[-1]]
         else:
             found.append(word)
@@ -171,6 +171,11 @@ def time_unit_of(column: str) -> str:
     return next(
         (unit for one in said if len(one) > 1 or one in written if (unit := unit_of(one, "time"))), ""
     )
+
+
+def without_unit(column: str) -> str:
+    """Return the name of a column without the units at its end."""
+    return _without_units(_REPEATED.sub("", column))[0]
 
 
 def placement_of(device: str) -> str | None:
@@ -215,7 +220,16 @@ def _without_units(text: str) -> tuple[str, list[str]]:
     return _QUOTIENT.sub("", plain), written
 
 
-def _quantity(words: list[str], *, letters: bool) -> str:
+def quantity_of(words: list[str], *, letters: bool = False) -> str:
+    """Return the quantity that words name; empty where they name none.
+
+    Parameters
+    ----------
+    words : list of str
+        In lower case.
+    letters : bool
+        Whether a letter that stands alone is a quantity.
+    """
     plain = " ".join(words)
     for name, pattern in _WORDS:
         if pattern.search(plain):
@@ -229,8 +243,10 @@ __all__ = [
     "is_orientation",
     "named",
     "placement_of",
+    "quantity_of",
     "side_of",
     "time_unit_of",
     "unit_of",
+    "without_unit",
     "words_of",
 ]

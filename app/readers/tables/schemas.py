@@ -21,6 +21,10 @@ class _Column(Schema):
     """x, y and z in the frame of the sensor; `-name` where the axis points the other way and no column is called so."""
     sign: Literal[1, -1] = 1
     """-1 where all three have the other sign: an accelerometer that gives gravity instead of specific force."""
+    rows: dict[str, str] = Field(default_factory=dict, max_length=3)
+    """Which rows hold it, where rows of several devices or of several kinds take turns: a column, and what it holds."""
+    time_column: str | None = None
+    """A clock of its own, in the unit of the mapping; None: that of the mapping."""
 
 
 class CsvColumn(_Column):

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from app.readers.tables.clock import CLOCK, seconds_of_clock
+from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
 from app.readers.tables.head import TableHead, split_line
 from app.readers.units import TO_SI, UNITS
 from estimators.conventions import GRAVITY_MPS2
@@ -56,6 +56,27 @@ class Body:
         table = [[_float(row[at]) if at < len(row) else np.nan for at in places] for row in self._rows]
         found = np.array(table, dtype=np.float64).reshape(-1, len(places))
         found[np.abs(found) > _LARGEST] = np.nan
+        return found
+
+    def texts(self, column: str) -> list[str]:
+        """Return a column as it is written; empty where a row ends before it."""
+        at = self._places[column]
+        return [row[at] if at < len(row) else "" for row in self._rows]
+
+    def of_rows(self, rows: dict[str, str]) -> "Body":
+        """Return the rows in which columns hold these texts.
+
+        Parameters
+        ----------
+        rows : dict of str to str
+            See `CsvColumn.rows`.
+        """
+        found = Body.__new__(Body)
+        places = [(self._places[name], value) for name, value in rows.items()]
+        found._places = self._places
+        found._rows = [
+            row for row in self._rows if all(at < len(row) and row[at] == value for at, value in places)
+        ]
         return found
 
     def times(self, column: str, unit: str) -> Float:

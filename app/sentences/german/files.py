@@ -210,6 +210,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Zeilen mit {rate_hz:hz}. Die Spalte wurde genommen.",
     "guess.rows_counted": "Keine Spalte ist eine Zeit: Die Zeilen folgen einander, so die Annahme, mit"
     " {rate_hz:hz}. Fehlende Zeilen fielen nicht auf.",
+    "guess.devices": "Die Zeilen sind von mehreren Geräten, unterschieden durch {column}: {values:and}.",
+    "guess.own_clocks": "Die Sensoren haben eigene Uhren: {columns:and}. Sie zählen, so die Annahme, vom selben"
+    " Moment an.",
     "guess.no_time": "Keine Spalte ist eine Zeit, und keine Zeile über der Tabelle nennt eine Rate; geben Sie"
     " die Rate an.",
     "guess.no_unit": "Die Spalten {columns:and} nennen keine Einheit, und mit einer Größe von {size:number~3}"

@@ -49,6 +49,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "table.no_column": "In der Datei fehlt die Spalte {missing:and}. Sie hat: {present}. Berichtigen Sie die"
     " Zuordnung.",
     "table.no_rows": "Die Datei hat einen Kopf, aber keine Zeilen.",
+    "table.joined": "Die Größen von {where:place} haben eigene Zeiten; sie werden nach der Zeit zusammengeführt.",
+    "table.clocks_apart": "Die Uhren von {where:and} haben keine Zeit gemeinsam: Zwei von ihnen waren nie zugleich"
+    " an. Laden Sie jeden Sensor für sich hoch, oder wählen Sie eine Uhr für alle.",
+    "table.sensors_joined": "Die Zeiten von {where:and} sind verschieden; alle werden auf eine gebracht.",
     "table.not_a_number_in_line": "Zeile {line:number}: Der Wert in der Spalte {column} ist keine Zahl; die Spalten der"
     " Zuordnung dürfen nur Zahlen enthalten.",
     "table.not_a_number": "Ein Wert in der Spalte {column} ist keine Zahl; die Spalten der Zuordnung dürfen nur"

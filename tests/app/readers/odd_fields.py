@@ -22,7 +22,7 @@ DEGREES = np.degrees(GYROSCOPE)
 
 
 def field_tables() -> dict[str, Odd]:
-    return {**_rates(), **_counters(), **_arrivals(), **_restarts(), **_names()}
+    return {**_rates(), **_counters(), **_arrivals(), **_restarts(), **_names(), **_apart()}
 
 
 def _rates() -> dict[str, Odd]:
@@ -138,4 +138,91 @@ def _names() -> dict[str, Odd]:
         "z, y and x": six(
             axes("rot_rate_{}", "zyx"), axes("acc_{}", "zyx"), GYROSCOPE[:, backwards], FORCE[:, backwards]
         ),
+    }
+
+
+def _apart() -> dict[str, Odd]:
+    """Rows of several devices or kinds, and clocks of their own."""
+    one, other = np.column_stack([GYROSCOPE, FORCE]), np.column_stack([GYROSCOPE[::-1], FORCE[::-1]])
+    both = {"first": slice(None), "second": slice(None, None, -1)}
+    stamps = [f"{stamp:.14g}" for stamp in TIME_S]
+
+    def devices(names: tuple[str, str], *, is_block: bool = False) -> bytes:
+        first, second = (
+            [[stamp, name, *row] for stamp, row in zip(stamps, numbers(part), strict=True)]
+            for name, part in zip(names, (one, other), strict=True)
+        )
+        rows = (
+            [*first, *second]
+            if is_block
+            else [row for pair in zip(first, second, strict=True) for row in pair]
+        )
+        return text([",".join(["time", "device", *NINE[:6]])], rows).encode()
+
+    said = frozenset({"guess.devices"})
+    kinds = [
+        [stamp, kind, *row]
+        for k, stamp in enumerate(stamps)
+        for kind, row in (
+            ("accelerometer", numbers(FORCE[k : k + 1])[0]),
+            ("gyroscope", numbers(GYROSCOPE[k : k + 1])[0]),
+            ("magnetometer", numbers(FIELD_UT[k : k + 1])[0]),
+        )
+    ]
+    empty = ["", "", ""]
+    halves = [
+        row
+        for stamp, gyroscope, force in zip(stamps, numbers(GYROSCOPE), numbers(FORCE), strict=True)
+        for row in ([stamp, *gyroscope, *empty], [stamp, *empty, *force])
+    ]
+    marked = [
+        [*row, str(int(k % 700 > 350)), ("rest", "reach", "back")[k // 100 % 3], str(k % 7 < 3)]
+        for k, row in enumerate(rows_of(*ALL))
+    ]
+    return {
+        "rows of two devices": Odd(devices(("first", "second")), both, notes=said, has_field=False),
+        "rows of two devices by address": Odd(
+            devices(("WT901(a1:01)", "WT901(b2:02)")),
+            {"WT901_a1_01": slice(None), "WT901_b2_02": slice(None, None, -1)},
+            notes=said,
+            has_field=False,
+        ),
+        "rows of two devices by number": Odd(
+            devices(("17", "4")),
+            {"device_17": slice(None), "device_4": slice(None, None, -1)},
+            notes=said,
+            has_field=False,
+        ),
+        "one device below the other": Odd(
+            devices(("first", "second"), is_block=True), both, notes=said, has_field=False
+        ),
+        "rows of three kinds": Odd(
+            text(["time,sensor,x,y,z"], kinds).encode(), notes=frozenset({"table.joined"})
+        ),
+        "rows of halves": Odd(text([",".join(["time", *NINE[:6]])], halves).encode(), has_field=False),
+        "a clock for each sensor": Odd(
+            text(
+                [
+                    ",".join(
+                        f"{name}_{column}" for name in ("alpha", "beta") for column in ["time", *NINE[:6]]
+                    )
+                ],
+                [
+                    [stamp, *row, stamp, *another]
+                    for stamp, row, another in zip(stamps, numbers(one), numbers(other), strict=True)
+                ],
+            ).encode(),
+            {"alpha": slice(None), "beta": slice(None, None, -1)},
+            notes=frozenset({"guess.own_clocks"}),
+            has_field=False,
+        ),
+        "a clock for each quantity": Odd(
+            text(
+                [",".join(["gyr_time", *NINE[:3], "acc_time", *NINE[3:6]])],
+                [[stamp, *row[:3], stamp, *row[3:]] for stamp, row in zip(stamps, numbers(one), strict=True)],
+            ).encode(),
+            notes=frozenset({"guess.own_clocks"}),
+            has_field=False,
+        ),
+        "marks among the columns": Odd(text([f"{PLAIN},button,phase,contact"], marked).encode()),
     }

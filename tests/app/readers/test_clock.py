@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.readers.tables.clock import is_clock, seconds_of_clock
+from app.readers.tables.clocks.of_day import is_clock, seconds_of_clock
 from tests.said import codes
 
 

@@ -2994,6 +2994,10 @@ export interface components {
              * @enum {string}
              */
             quantity: "gyroscope" | "accelerometer" | "magnetometer";
+            /** Rows */
+            rows?: {
+                [key: string]: string;
+            };
             /**
              * Sensor
              * @default
@@ -3005,6 +3009,11 @@ export interface components {
              * @enum {integer}
              */
             sign?: 1 | -1;
+            /**
+             * Time Column
+             * @default null
+             */
+            time_column?: string | null;
             /**
              * Unit
              * @enum {string}
@@ -3694,6 +3703,10 @@ export interface components {
              * @enum {string}
              */
             quantity: "gyroscope" | "accelerometer" | "magnetometer";
+            /** Rows */
+            rows?: {
+                [key: string]: string;
+            };
             /**
              * Sensor
              * @default
@@ -3705,6 +3718,8 @@ export interface components {
              * @enum {integer}
              */
             sign?: 1 | -1;
+            /** Time Column */
+            time_column?: string | null;
             /** Unit */
             unit: ("rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG") | null;
         };

@@ -12,12 +12,12 @@ from typing import Final
 
 import numpy as np
 
-from app.readers.tables.clock import CLOCK
-from app.readers.tables.counter import COUNT, unwrapped
+from app.readers.tables.clocks.counter import COUNT, unwrapped
+from app.readers.tables.clocks.mended import usual_interval
+from app.readers.tables.clocks.of_day import CLOCK
+from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
 from app.readers.tables.head import TableHead
-from app.readers.tables.names import time_unit_of, words_of
-from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
-from app.readers.tables.time_mended import usual_interval
+from app.readers.tables.names import quantity_of, time_unit_of, without_unit, words_of
 from app.readers.tables.units import Body
 from app.sentences import Sentence, say
 from estimators.recording import Float
@@ -116,6 +116,39 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
     if said_hz is None:
         return TimeGuess(missing=(say("guess.no_time"),))
     return TimeGuess(None, "s", said_hz, 1.0 / said_hz, (say("guess.rows_counted", rate_hz=said_hz),))
+
+
+def own_clocks(
+    head: TableHead, body: Body, signals: list[tuple[str, str]], columns: set[str]
+) -> dict[tuple[str, str], str]:
+    """Return the clock of each signal where sensors or quantities have clocks of their own; else nothing.
+
+    Parameters
+    ----------
+    head : TableHead
+    body : Body
+    signals : list of tuple of str
+        Device and quantity of each.
+    columns : set of str
+        Of the signals.
+    """
+    clocks: dict[tuple[str, str], str] = {}
+    for column in head.columns:
+        words = words_of(without_unit(column))
+        if column in columns or not _TIME & set(words) or (_NO_STAMP | _COUNTER) & set(words):
+            continue
+        left = [word for word in words if word not in _TIME]
+        quantity = quantity_of(left)
+        device = "_".join(word for word in left if not (quantity and quantity_of([word])))
+        if left and _stamps(body, column, None, is_named=True) is not None:
+            clocks.setdefault((device, quantity), column)
+    found: dict[tuple[str, str], str] = {}
+    for device, quantity in signals:
+        own = clocks.get((device, quantity)) or clocks.get((device, "")) or clocks.get(("", quantity))
+        if own is None:
+            return {}
+        found[device, quantity] = own
+    return found if len(set(found.values())) > 1 else {}
 
 
 def rate_said(lines: Iterable[str]) -> float | None:
@@ -220,4 +253,4 @@ def _rate_of_ticks(step: float) -> float | None:
     return next((rate for rate in rates if 10.0 <= rate <= HIGHEST_HZ), None)
 
 
-__all__ = ["TimeGuess", "guess_time", "rate_said"]
+__all__ = ["TimeGuess", "guess_time", "own_clocks", "rate_said"]

@@ -44,11 +44,14 @@ class MendedTime:
         Which rows stay, rising.
     notes : tuple of Sentence
         What was mended.
+    start_s : float
+        The first of them by the column's own zero.
     """
 
     time_s: Float
     rows: NDArray[np.intp]
     notes: tuple[Sentence, ...]
+    start_s: float = 0.0
 
 
 def mended(column: Float, factor: float, values: Float | None = None) -> MendedTime:
@@ -99,7 +102,8 @@ def mended(column: Float, factor: float, values: Float | None = None) -> MendedT
     time, repeated = spaced(time)
     if repeated:
         notes.append(say("time.repeated", count=repeated))
-    return MendedTime(time - time[0] if time.size else time, rows, tuple(notes))
+    start_s = float(time[0]) if time.size else 0.0
+    return MendedTime(time - start_s, rows, tuple(notes), start_s)
 
 
 def spaced(time_s: Float) -> tuple[Float, int]:

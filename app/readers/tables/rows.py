@@ -1,0 +1,133 @@
+"""What tells the rows of a table apart: devices that take turns, and kinds of rows.
+
+A column of names, addresses or numbers makes sensors only where each of its values has samples of its own at an even
+rate while others have theirs; a mark that somebody set, a button or the phase of an exercise, does not.
+"""
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from app.readers.tables.clocks.of_day import CLOCK
+from app.readers.tables.head import TableHead, is_number
+from app.readers.tables.names import quantity_of, words_of
+from app.readers.tables.units import Body
+from estimators.recording import Float
+
+_MOST_DEVICES: Final = 17
+_FEWEST_ROWS: Final = 8
+"""Of each device in the beginning of a table."""
+_EVEN: Final = (0.5, 1.5)
+_MOST_UNEVEN: Final = 0.2
+"""Of the steps of a device: its samples come at one rate."""
+_TURN: Final = 1.5
+"""Times the mean step of all rows: what one device of several takes at least to its next sample."""
+_OVERLAP: Final = 0.5
+"""Of the time of a device: while it was on, others were, too."""
+_OF_SIGNALS: Final = frozenset({"gyroscope", "accelerometer", "magnetometer"})
+
+
+@dataclass(frozen=True)
+class Turns:
+    """A column whose values take turns.
+
+    Attributes
+    ----------
+    column : str
+    values : tuple of str
+        As they are written, in the order of the table.
+    quantities : dict of str to str
+        Of a column of kinds: which quantity the rows of a value hold.
+    """
+
+    column: str
+    values: tuple[str, ...]
+    quantities: dict[str, str]
+
+
+def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
+    """Return the column that says of each row which quantity it holds; None where there is none.
+
+    Parameters
+    ----------
+    head : TableHead
+    body : Body
+    """
+    for column in head.columns:
+        values = _values(body, column)
+        quantities = {value: found for value in values if (found := _quantity_said(value))}
+        if {"gyroscope", "accelerometer"} <= set(quantities.values()):
+            return Turns(column, tuple(quantities), quantities)
+    return None
+
+
+def devices_of_rows(body: Body, columns: list[str], time: str | None, unit: str) -> Turns | None:
+    """Return the column that says of each row which device it is of; None where there is none.
+
+    Parameters
+    ----------
+    body : Body
+    columns : list of str
+        Those that are neither signal nor clock.
+    time : str or None
+        The clock; None: rows are counted.
+    unit : str
+    """
+    stamps = body.times(time, unit if unit == CLOCK else "s") if time is not None else None
+    for column in columns:
+        values = _values(body, column)
+        if not 2 <= len(values) <= _MOST_DEVICES or any(
+            re.fullmatch(r"[+-]?\d*[.,]\d+", one) for one in values
+        ):
+            continue
+        texts = np.array(body.texts(column))
+        at = np.arange(float(texts.size)) if stamps is None else stamps
+        if _take_turns([at[texts == value] for value in values], at):
+            return Turns(column, values, {})
+    return None
+
+
+def _take_turns(parts: list[Float], at: Float) -> bool:
+    """Return whether each part has an even rate of its own while others are on."""
+    parts = [one[np.isfinite(one)] for one in parts]
+    at = at[np.isfinite(at)]
+    if min(one.size for one in parts) < _FEWEST_ROWS:
+        return False
+    # Blocks one below the other begin again: their time is not that of all rows.
+    mean = (at.max() - at.min()) / max(at.size - 1, 1)
+    is_slower = False
+    for place, one in enumerate(parts):
+        steps = np.diff(one)
+        usual = float(np.median(steps))
+        if (
+            usual <= 0.0
+            or float(np.mean((steps < _EVEN[0] * usual) | (steps > _EVEN[1] * usual))) > _MOST_UNEVEN
+        ):
+            return False
+        others = np.concatenate([other for k, other in enumerate(parts) if k != place])
+        shared = min(one[-1], others.max()) - max(one[0], others.min())
+        if shared < _OVERLAP * (one[-1] - one[0]):
+            return False
+        is_slower |= usual > _TURN * mean
+    return is_slower
+
+
+def _values(body: Body, column: str) -> tuple[str, ...]:
+    counted = Counter(text for text in body.texts(column) if text)
+    return tuple(counted) if len(counted) <= 4 * _MOST_DEVICES else ()
+
+
+def _quantity_said(value: str) -> str:
+    if is_number(value):
+        return ""
+    words = words_of(value)
+    if {"linear", "user", "free", "uncalibrated", "gravity"} & set(words):
+        return ""
+    found = quantity_of(words)
+    return found if found in _OF_SIGNALS else ""
+
+
+__all__ = ["Turns", "devices_of_rows", "kinds_of_rows"]
