@@ -1,8 +1,17 @@
 // The frame around every page of a signed-in person: skip link, top bar, theme, sign-out.
-import { ActionIcon, Button, Menu, useComputedColorScheme, useMantineColorScheme } from '@mantine/core';
+import { ActionIcon, Button, useComputedColorScheme, useMantineColorScheme } from '@mantine/core';
 import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-react';
-import { lazy, Suspense, useEffect, useRef, useState } from 'react';
-import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react-router';
+import {
+  cloneElement,
+  lazy,
+  Suspense,
+  useEffect,
+  useRef,
+  useState,
+  type ButtonHTMLAttributes,
+  type ReactElement,
+} from 'react';
+import { Link, Navigate, NavLink, Outlet, useLocation } from 'react-router';
 import { useMe } from '../api/queries';
 import { showSignInAgain } from '../api/signInAgain';
 import { t } from '../i18n';
@@ -11,10 +20,36 @@ import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
 import { SecondFactorRemoved } from './account/SecondFactorRemoved';
 import { SecondFactorSet } from './account/SecondFactorSet';
+import type { TopMenuProps } from './account/TopMenu';
 import { useSignOut } from './account/useSignOut';
 
 const ConfirmDialog = lazy(() => import('./forms/ConfirmDialog'));
 const SignInAgain = lazy(() => import('./account/SignInAgain'));
+
+const loadMenu = () => import('./account/TopMenu');
+const TopMenu = lazy(loadMenu);
+/** After the page: somebody who loses the network must still be able to sign out. */
+const LOAD_MENU_MS = 3000;
+
+/** A button that becomes a menu when it is pressed. */
+function LateMenu({ target, ...menu }: TopMenuProps) {
+  const [isWanted, setWanted] = useState(false);
+  useEffect(() => {
+    const timer = setTimeout(() => void loadMenu().catch(() => undefined), LOAD_MENU_MS);
+    return () => clearTimeout(timer);
+  }, []);
+  const button = cloneElement(target as ReactElement<ButtonHTMLAttributes<HTMLButtonElement>>, {
+    'aria-haspopup': 'menu',
+    'aria-expanded': false,
+    onClick: () => setWanted(true),
+  });
+  if (!isWanted) return button;
+  return (
+    <Suspense fallback={button}>
+      <TopMenu target={target} {...menu} />
+    </Suspense>
+  );
+}
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -46,7 +81,6 @@ export function Wordmark() {
 /** Pages for signed-in people only; everybody else is sent to sign in and comes back afterwards. */
 export function Shell() {
   const me = useMe();
-  const navigate = useNavigate();
   const location = useLocation();
   const main = useRef<HTMLElement>(null);
   const first = useRef(true);
@@ -122,8 +156,8 @@ export function Shell() {
           </nav>
           <div className="topbar-end">
             <ThemeToggle />
-            <Menu position="bottom-end" width={260}>
-              <Menu.Target>
+            <LateMenu
+              target={
                 <Button
                   variant="subtle"
                   color="gray"
@@ -134,39 +168,21 @@ export function Shell() {
                 >
                   {me.data.display_name}
                 </Button>
-              </Menu.Target>
-              <Menu.Dropdown>
-                <Menu.Label>
-                  {me.data.clinic_name} · {t(`role.${me.data.role}`)}
-                </Menu.Label>
-                {more.map((link) => (
-                  <Menu.Item key={link.to} onClick={() => void navigate(link.to)}>
-                    {link.text}
-                  </Menu.Item>
-                ))}
-                <Menu.Divider />
-                <Menu.Item onClick={signOut}>{t('action.signOut')}</Menu.Item>
-              </Menu.Dropdown>
-            </Menu>
-            <Menu position="bottom-end" width={260}>
-              <Menu.Target>
+              }
+              label={`${me.data.clinic_name} · ${t(`role.${me.data.role}`)}`}
+              links={more}
+              onSignOut={signOut}
+            />
+            <LateMenu
+              target={
                 <ActionIcon hiddenFrom="sm" size={44} color="gray" variant="subtle" aria-label={t('nav.menu')}>
                   <IconMenu2 size={24} aria-hidden />
                 </ActionIcon>
-              </Menu.Target>
-              <Menu.Dropdown>
-                <Menu.Label>{me.data.display_name}</Menu.Label>
-                {[...links, ...more].map((link) => (
-                  <Menu.Item key={link.to} fz="md" py={12} onClick={() => void navigate(link.to)}>
-                    {link.text}
-                  </Menu.Item>
-                ))}
-                <Menu.Divider />
-                <Menu.Item fz="md" py={12} onClick={signOut}>
-                  {t('action.signOut')}
-                </Menu.Item>
-              </Menu.Dropdown>
-            </Menu>
+              }
+              label={me.data.display_name}
+              links={[...links, ...more]}
+              onSignOut={signOut}
+            />
           </div>
         </div>
       </header>
