@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import Clinic
 from app.accounts.subject import Subject
-from app.assessment.design.compiled import drawn_template
+from app.assessment.design.compiled import design_of, drawn_template
 from app.assessment.design.day import valid_of_the_day
 from app.assessment.design.dose import dose_of
 from app.assessment.design.limits import Reached, resting_pose, troubles_of
@@ -31,6 +31,7 @@ from app.exercises.doses import DoseHistory, DoseThen, dose_on, doses_of
 from app.exercises.models import Prescription, TemplateVersion
 from app.exercises.schemas import PrescriptionChangeOut, PrescriptionOut
 from app.recordings.models import MotionSession
+from app.sentences import say
 from app.time_zones import time_zone, week_start
 from estimators.errors import EstimationError
 
@@ -385,11 +386,15 @@ def _with_practice(
 
 
 def _troubles(session: Session, row: Prescription) -> list[str]:
-    """Return which stored limits cannot hold, after an upgrade or with a newer version of the template."""
-    if row.template_id is None or not row.stops:
-        return []
-    version = newest_version(session, row.template_id)
+    """Return which stored limits cannot hold: after an upgrade, with a newer template, or at this patient's rest.
+
+    A template of the clinic knows no patient when it is drawn: its own rules are held against who it is prescribed to.
+    """
+    version = None if row.template_id is None else newest_version(session, row.template_id)
     if version is None:
+        return []
+    of_template = design_of(version).stops or []
+    if not of_template and not row.stops:
         return []
     try:
         drawn = drawn_template(version)
@@ -398,7 +403,11 @@ def _troubles(session: Session, row: Prescription) -> list[str]:
         return []
     rest = resting_pose(session, row.patient_id, row.exercise_id)
     stops = [StopDesign.model_validate(one) for one in row.stops]
-    return [text for _, text in troubles_of(stops, Reached(drawn, rest=rest))]
+    reached = Reached(drawn, rest=rest)
+    return [
+        *(say("prescription.of_template", trouble=text) for _, text in troubles_of(of_template, reached)),
+        *(text for _, text in troubles_of(stops, reached)),
+    ]
 
 
 def _run_together(one: Prescription, other: Prescription) -> bool:

@@ -10,6 +10,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "exercise.create_not_allowed": "Only therapists and administrators can add or change exercises.",
     "prescription.no_such_template": "There is no such template of this exercise for this patient.",
     "prescription.ends_before_start": "A prescription must end after it starts.",
+    "prescription.of_template": "In its template: {trouble}",
     "prescription.has_ended": "This prescription has ended; prescribe the exercise again.",
     "edited.elsewhere": "Somebody else has changed this since you opened it. Load it again; what you entered is still"
     " here.",

@@ -319,6 +319,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " sind noch hier.",
     "edited.meanwhile": "{name} hat dies geändert, nachdem Sie es geöffnet hatten. Nichts von Ihnen wurde"
     " gespeichert und nichts ist verloren: Sehen Sie sich die Änderung an und speichern Sie dann noch einmal.",
+    "prescription.of_template": "In der Vorlage: {trouble}",
     "prescription.has_ended": "Diese Verordnung ist beendet; verordnen Sie die Übung neu.",
     "template.changed_meanwhile": "{name} hat Version {number} gespeichert, nachdem Sie diese geöffnet hatten:"
     " „{reason}“. Nichts ist verloren: Sehen Sie sich die Version an und speichern Sie Ihre dann darauf.",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine
 
+from app.assessment import practice
 from app.assessment.design import limits, prescribing, shown
 from app.assessment.design.compiled import apply_design
 from app.assessment.design.limits import Reached, narrow_band, troubles_of
@@ -179,7 +180,26 @@ def test_a_rule_that_was_stored_before_is_said_where_it_is_shown(
     shown_version = therapist.get(f"/api/template-versions/{stored[1]}").json()
     assert [one["code"] for one in shown_version["sentences"]["troubles"]] == ["design.limit_above"]
     (listed,) = therapist.get(f"/api/patients/{world.patient_id}/prescriptions").json()
-    assert [one["code"] for one in listed["sentences"]["troubles"]] == ["design.limit_above"]
+    assert [one["code"] for one in listed["sentences"]["troubles"]] == [
+        "prescription.of_template",
+        "design.limit_above",
+    ]
+    assert "In its template: Stop rule 1" in listed["troubles"][0]
+
+
+def test_a_template_is_held_against_the_rest_of_whom_it_is_prescribed_to(
+    therapist: Any, stored: tuple[str, str], world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A limit that the recording keeps, and that this patient breaks before any movement."""
+    good = limit(MAIN, proposed_limit(MAIN, "above", TEMPLATE.mean[:, TEMPLATE.channels.index(MAIN)]))
+    with unit_of_work(engine) as session:
+        session.get_one(TemplateVersion, stored[1]).design = {"stops": [copy.deepcopy(good)]}
+    assert prescribe(therapist, world, stored[0]).json()["troubles"] == []
+    monkeypatch.setattr(practice, "resting_pose", lambda *_: {MAIN: good["limit"] + 0.2})
+    (listed,) = therapist.get(f"/api/patients/{world.patient_id}/prescriptions").json()
+    (said,) = listed["sentences"]["troubles"]
+    assert said["code"] == "prescription.of_template"
+    assert said["params"]["trouble"]["code"] == "design.rest_above"
 
 
 def test_what_no_recording_shows_is_not_asked_for(

@@ -7,7 +7,7 @@ import { Link, useNavigate } from 'react-router';
 import { useChangeTemplate, useCopyVersion, useTemplateVersion } from '../../api/queries';
 import type { Template, TemplateVersion, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
-import { Answer, Problem } from '../../components/Feedback';
+import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { date, number } from '../../lib/format';
@@ -67,6 +67,9 @@ export function TemplateCard({
                 seconds: number(found.content.duration_s, 1),
               })}
             </p>
+            {(found.troubles ?? []).map((one) => (
+              <Notice key={one}>{one}</Notice>
+            ))}
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
               {pickCurves(found.content.curves, false, primary || found.primary_channel, (channel) =>
