@@ -12,12 +12,14 @@ from estimators.arm import ArmModel
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
 from estimators.pipelines.arm.slips.search import Slip
+from estimators.recording import Float
 
 FLAG: Final = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
 """As before a calibration: the orientation is that of a sensor of which nobody knows how it sits."""
 _FLOOR_RAD: Final = math.radians(3.0)
 _GROWN_RAD: Final = math.radians(4.0)
-"""An angle whose sigma grew by more depends on what slipped; of a sensor that only twisted, flexion does not."""
+"""An angle that is off by more depends on what slipped; of a sensor that only twisted, flexion does not."""
+_NOTHING_RAD: Final = 1e-9
 _QUICK_S: Final = 0.4
 """A slip has begun so long before its middle, at most."""
 
@@ -45,29 +47,38 @@ def with_slips(frames: Frames, setup: SessionSetup, slips: Sequence[Slip]) -> Fr
     if not past or frames.segment_sigma_rad is None or not frames.layout.angles:
         return frames
     variance, flags = frames.segment_sigma_rad**2, frames.segment_flags.copy()
+    model = ArmModel(setup.body, setup.placements, frames.time_step_s)
+    columns = [frames.layout.angles.index(name) for name in model.angles]
+    off = np.zeros((frames.tick_count, len(columns)))
     for slip in past:
         s = frames.layout.segments.index(slip.placement)
         after = times >= slip.time_s - _QUICK_S
+        floor = max(slip.sigma_rad, _FLOOR_RAD) ** 2
         turned = rotation.rotate(frames.q_room_segment[after, s], np.array(slip.turn_rad))
-        variance[after, s] += turned**2 + max(slip.sigma_rad, _FLOOR_RAD) ** 2
+        variance[after, s] += turned**2 + floor
         flags[after, s] |= FLAG
-    sigma = np.sqrt(variance)
-    model = ArmModel(setup.body, setup.placements, frames.time_step_s)
-    columns = [frames.layout.angles.index(name) for name in model.angles]
-    found = model.evaluate(
-        frames.q_room_segment, segment_flags=frames.segment_flags, sigma_room_rad=sigma
-    ).angle_sigma_rad
+        # By how much each angle would be another one if the sensor sat as before: a twist leaves flexion as it is.
+        seated = frames.q_room_segment.copy()
+        seated[after, s] = rotation.multiply(seated[after, s], rotation.exp(-np.array(slip.turn_rad)))
+        changed = _angles(model, seated, frames) - _angles(model, frames.q_room_segment, frames)
+        changed = np.remainder(changed + np.pi, 2.0 * np.pi) - np.pi
+        off += np.where(np.abs(changed) > _NOTHING_RAD, changed**2 + floor, 0.0)
     angle_sigma, angle_flags = frames.angle_sigma_rad.copy(), frames.angle_flags.copy()
-    angle_sigma[:, columns] = np.fmax(angle_sigma[:, columns], found)
-    grown = angle_sigma - frames.angle_sigma_rad > _GROWN_RAD
+    angle_sigma[:, columns] = np.sqrt(angle_sigma[:, columns] ** 2 + off)
+    grown = np.zeros(angle_flags.shape, dtype=bool)
+    grown[:, columns] = off > _GROWN_RAD**2 + _FLOOR_RAD**2
     angle_flags[grown] |= FLAG
     return replace(
         frames,
-        segment_sigma_rad=sigma,
+        segment_sigma_rad=np.sqrt(variance),
         segment_flags=flags,
         angle_sigma_rad=angle_sigma,
         angle_flags=angle_flags,
     )
+
+
+def _angles(model: ArmModel, q_room_segment: Float, frames: Frames) -> Float:
+    return model.evaluate(q_room_segment, segment_flags=frames.segment_flags).angle_rad
 
 
 __all__ = ["FLAG", "with_slips"]

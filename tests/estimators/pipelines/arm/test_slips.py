@@ -98,6 +98,7 @@ def test_frames_are_honest_from_the_slip_on_and_untouched_before():
     for name, is_concerned in (
         ("humerus_forearm_right_zxy_pronation", True),
         ("forearm_hand_right_zxy_rotation", True),
+        ("humerus_forearm_right_zxy_flexion", False),
         ("thorax_humerus_right_yxy_elevation", False),
     ):
         a = frames.layout.angles.index(name)
@@ -140,16 +141,18 @@ def test_repetitions_go_on_being_found_and_nobody_is_blamed_for_the_sensor():
     template = build_template(sound, find_repetitions(sound, "right", start_s), "right", 0.55, main)
 
     def said(placement, axis):
-        recording = turned(made, placement, resting_s(made), 0.4, axis, 30.0)
+        recording = turned(made, placement, resting_s(made, after=1), 0.4, axis, 30.0)
         found = compare(
             trajectory(run(recording, made.setup, POSE_S)[0]), template, "right", 0.55, start_s=start_s
         )
         return len(found.repetitions), codes(found.findings)
 
     assert said("sternum", AHEAD)[1] == ["findings.matched"]
-    count, findings = said("upper_arm_right", LONG)
-    assert count == 6
-    assert findings == ["findings.main_mostly_not_measured"], "half of what counts most has no number"
+    count, findings = said("forearm_right", AHEAD)
+    assert count >= 6
+    assert findings[0] in ("findings.main_not_measured", "findings.main_mostly_not_measured"), (
+        "it bends the elbow by 30 degrees"
+    )
 
 
 def test_pieces_of_a_session_give_the_same_slips_and_frames():
