@@ -1,8 +1,8 @@
 // How it goes, in one sentence for the patient; where nothing may be said of a change, how far the last time went.
 import type { ProgressMeasure } from '../../api/types';
 import { t } from '../../i18n';
-import { displayUnit, number } from '../../lib/format';
-import { jointOf, mainMeasure, plainProgress } from '../../lib/plain';
+import { displayUnit, number, quantity } from '../../lib/format';
+import { jointOf, mainMeasure, plainProgress, shortName } from '../../lib/plain';
 
 export function HowItGoes({ measures }: { measures: readonly ProgressMeasure[] }) {
   const main = mainMeasure(measures);
@@ -13,6 +13,7 @@ export function HowItGoes({ measures }: { measures: readonly ProgressMeasure[] }
 function lastTime(measure: ProgressMeasure): string | null {
   const { factor, suffix } = displayUnit(measure.unit);
   const value = measure.points.at(-1)?.value;
-  if (suffix !== '°' || value === undefined) return null;
+  if (value === undefined) return null;
+  if (suffix !== '°') return t('mine.ownValue', { name: shortName(measure), value: quantity(value, measure.unit) });
   return t('mine.lastTime', { joint: jointOf(measure.measure), degrees: number(value * factor) });
 }

@@ -37,24 +37,23 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
       <div className="line-head">
         <span className="strong">{prescription.exercise_name}</span>
         {patient.may_treat && (
-          <Button
-            className="end"
-            size="sm"
-            variant="default"
-            aria-label={t('prescription.changeOf', { name: prescription.exercise_name })}
-            onClick={dialog.open}
-          >
-            {t('prescription.change')}
-          </Button>
-        )}
-        {patient.may_treat && (
-          <Confirm
-            label={t('prescription.end')}
-            title={t('prescription.endTitle', { name: prescription.exercise_name })}
-            text={t('prescription.endText')}
-            confirm={t('prescription.end')}
-            onConfirm={() => end.mutate(prescription.id)}
-          />
+          <span className="line-buttons">
+            <Button
+              size="sm"
+              variant="default"
+              aria-label={t('prescription.changeOf', { name: prescription.exercise_name })}
+              onClick={dialog.open}
+            >
+              {t('prescription.change')}
+            </Button>
+            <Confirm
+              label={t('prescription.end')}
+              title={t('prescription.endTitle', { name: prescription.exercise_name })}
+              text={t('prescription.endText')}
+              confirm={t('prescription.end')}
+              onConfirm={() => end.mutate(prescription.id)}
+            />
+          </span>
         )}
       </div>
       {exercises.data && <div>{doseText(prescription, isTest)}</div>}

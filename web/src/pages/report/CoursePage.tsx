@@ -87,7 +87,8 @@ function Summary({ patient, course, progress }: CourseProps) {
       : []),
     [
       t('course.done'),
-      t('course.doneText', {
+      // A walk has strides, and no repetitions that count.
+      t(main?.measure.startsWith('walk:') ? 'course.doneWalks' : 'course.doneText', {
         count: course.session_count,
         repetitions: number(course.valid_repetitions),
         active: activeText(course.active_s),

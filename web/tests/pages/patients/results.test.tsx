@@ -6,6 +6,7 @@ import { afterEach, expect, it, vi } from 'vitest';
 import type { Me } from '../../../src/api/types';
 import { speakLanguage } from '../../../src/i18n/languages';
 import { practisedWeeks, valuesByDay } from '../../../src/lib/assessment/ownDays';
+import { HowItGoes } from '../../../src/pages/mine/HowItGoes';
 import { ResultsPage } from '../../../src/pages/mine/Results';
 import { renderPage, THERAPIST } from '../render';
 
@@ -95,4 +96,17 @@ it('calls what was recorded as the example so, and that day no day of practice',
   });
   expect(await screen.findAllByText('Recorded as the example for this exercise')).toHaveLength(1);
   expect(screen.getAllByText('practised')).toHaveLength(1);
+});
+
+it('says the last value where no change can be told and it is no angle', () => {
+  const walk = {
+    ...MEASURE,
+    measure: 'walk:speed:left',
+    label: 'Walking speed',
+    unit: 'm/s',
+    points: [point('a', at(2, 9), 0, 9)],
+  };
+  walk.points = [{ ...walk.points[0]!, value: 0.634 }];
+  renderPage(<HowItGoes measures={[walk] as never} />, { answers: {} });
+  expect(screen.getByText('Walking speed: 0.63 m/s')).toBeTruthy();
 });

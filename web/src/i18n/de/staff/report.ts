@@ -15,6 +15,7 @@ export const report: Translated<typeof english> = {
   'course.period': 'Zeitraum',
   'course.periodText': '{first} bis {last}',
   'course.done': 'Geleistet',
+  'course.doneWalks': { one: '{count} Sitzung, {active}', other: '{count} Sitzungen, {active}' },
   'course.doneText': {
     one: '{count} Sitzung, {repetitions} gültige Wiederholungen, {active}',
     other: '{count} Sitzungen, {repetitions} gültige Wiederholungen, {active}',

@@ -12,6 +12,7 @@ export const report = {
   'course.period': 'Period',
   'course.periodText': '{first} to {last}',
   'course.done': 'Done',
+  'course.doneWalks': { one: '{count} session, {active}', other: '{count} sessions, {active}' },
   'course.doneText': {
     one: '{count} session, {repetitions} valid repetitions, {active}',
     other: '{count} sessions, {repetitions} valid repetitions, {active}',
