@@ -128,7 +128,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "time.hour_passed": {
         "one": "Die Zeiten sind Minuten und Sekunden und gehen einmal über die volle Stunde; dort wird die nächste"
         " Stunde angenommen.",
-        "other": "Die Zeiten sind Minuten und Sekunden und gehen {count:number}-mal über die volle Stunde; dort wird"
+        "other": "Die Zeiten sind Minuten und Sekunden und gehen {count:number} Mal über die volle Stunde; dort wird"
         " jeweils die nächste Stunde angenommen.",
     },
     "table.header_again": {

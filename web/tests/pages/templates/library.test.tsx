@@ -78,6 +78,7 @@ it('shows the history and retires, tags and mirrors a template', async () => {
     reach_m: 0.55,
     design: {},
     content: { duration_s: 3, repetitions: [], curves: [], movement_onset_phases: [] },
+    troubles: ['Stop rule 1: the recording reaches 88°.'],
   } satisfies TemplateVersionDetail;
   const view = renderPage(<TemplateCard template={template} wanted={null} primary="a" />, {
     answers: {
@@ -87,6 +88,7 @@ it('shows the history and retires, tags and mirrors a template', async () => {
     },
   });
   const sent = (method: string) => view.asked.find((one) => one.method === method)?.body;
+  expect(await screen.findByText('Stop rule 1: the recording reaches 88°.')).toBeTruthy();
   await userEvent.click(await screen.findByRole('button', { name: 'Retire' }));
   await waitFor(() => expect(sent('PATCH')).toEqual({ is_retired: true }));
   await userEvent.click(screen.getByText('History: 2 versions'));
