@@ -33,6 +33,8 @@ function labelOf(
   }
   if (second === 'uneven') return named(`measure_name.uneven.${third}`);
   const name = named(`measure_name.walk.${second}`);
+  // Both feet walk at one speed: the service names it once, under one of them.
+  if (second === 'speed') return name;
   return name !== null && (third === 'left' || third === 'right') ? `${name}, ${t(`side.${third}`)}` : name;
 }
 
