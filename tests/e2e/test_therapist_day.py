@@ -91,7 +91,7 @@ def test_guided_calibration(visitor: Visitor, house: House) -> None:
     assert serious(visitor) == []
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Calibrate", exact=True).click()
-    page.get_by_role("heading", name=re.compile(r"calibration \(\d+ of 100\)")).wait_for()
+    page.get_by_role("heading", name=re.compile(r"Pose held well \(\d+ of 100\)")).wait_for()
     visitor.picture("calibration-result-1440")
     page.get_by_role("button", name="Continue").click()
     page.get_by_role("button", name="Reset the direction: Right arm").click()
