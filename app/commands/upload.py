@@ -94,6 +94,7 @@ class Wanted:
     rate_hz: float | None = None
     force: bool = False
     recorded_at: datetime | None = None
+    hemisphere: str | None = None
 
 
 def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
@@ -128,6 +129,7 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
             "csv": columns,
             "pipeline": pipeline or "arm",
             "accept_implausible": wanted.force,
+            "hemisphere": wanted.hemisphere,
             "recorded_at": wanted.recorded_at and wanted.recorded_at.astimezone().isoformat(),
         }
     )

@@ -203,7 +203,7 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     context.progress(_STORED_AT, say("progress.checking"))
     with read_only(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
-    check = RecordingCheck(setup.placements, declaration.hemisphere)
+    check = RecordingCheck(setup.placements, declaration.hemisphere or context.settings.hemisphere)
     notes: list[str] = []
     for number, chunk in enumerate(stretches(context, setup, STRETCH_S)):
         check.add(chunk)

@@ -237,8 +237,8 @@ class UploadIn(Schema):
     orientation: str = DEFAULT
     calibration_pose_s: tuple[float, float] | None = None
     """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
-    hemisphere: Literal["north", "south", "unknown"] = "north"
-    """Where it was recorded: the magnetic field tells a reversed accelerometer."""
+    hemisphere: Literal["north", "south", "unknown"] | None = None
+    """Where it was recorded: the magnetic field tells a reversed accelerometer. None: where the service is."""
     feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
     feet_apart_end_m: float | None = Field(default=None, ge=0.0, le=0.6)
     """Of a walk: distance of the feet side by side at its start and its end, where somebody measured it."""

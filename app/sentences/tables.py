@@ -66,6 +66,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
     "guess.own_clocks": "The sensors have clocks of their own: {columns:and}. They are taken to count from one moment.",
     "table.sensors_joined": "The stamps of {where:and} differ; all are brought to one time.",
+    "time.pauses": {
+        "one": "The recording pauses once, for {longest_s:s}; nothing is known in between.",
+        "other": "The recording pauses {count:number} times, for {longest_s:s} at most; nothing is known in between.",
+    },
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
     " column is what.",
     "guess.no_signal": "No three columns are named as x, y and z of an angular rate or an acceleration.",

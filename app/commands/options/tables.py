@@ -35,6 +35,10 @@ def upload(
             formats=["%Y-%m-%d", "%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M:%S"],
         ),
     ] = None,
+    hemisphere: Annotated[
+        str,
+        typer.Option(help="north, south or unknown: where it was recorded; empty: where the service is."),
+    ] = "",
     server: Server = "http://127.0.0.1:8000",
     email: Email = "",
     password: Password = "",
@@ -42,9 +46,21 @@ def upload(
     """Upload a whole recording and wait until it is analysed; prints where to see it."""
     from app.commands import upload as command
 
+    wanted = command.Wanted(
+        patient,
+        exercise or None,
+        format,
+        mapping,
+        guess,
+        pipeline,
+        rate,
+        force,
+        recorded_at,
+        hemisphere or None,
+    )
     command.upload(
         recording,
-        command.Wanted(patient, exercise or None, format, mapping, guess, pipeline, rate, force, recorded_at),
+        wanted,
         server,
         email,
         password,

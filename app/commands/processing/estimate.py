@@ -106,12 +106,18 @@ def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere:
     if not worn:
         return
     chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
-    findings = check_recording(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
+    # As of an upload: what is not there is flagged where it is missing, and a pause is no fault of the readings.
+    findings = [
+        found
+        for found in check_recording(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
+        if found.code != "no_data"
+    ]
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not force:
         raise InvalidInput(
-            f"the readings cannot be right. {in_words(refused)} Declare the file rightly (--mapping), or use --force"
-            " to estimate it as it is."
+            f"the readings cannot be right. {in_words(refused)} Say where it was recorded (--hemisphere) or declare the"
+            ' file rightly (--mapping, in which "sign": -1 turns all axes of a signal), or use --force to estimate it'
+            " as it is."
         )
     if findings:
         typer.echo(f"warning: {in_words(findings)}", err=True)

@@ -1,10 +1,11 @@
 """CSV with a declared mapping: which columns are what, in which unit. Checked in words."""
 
+import math
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from app.readers.units import (
 )
 from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
+
+_PAUSE_S: Final = 5.0
+"""Without any sample for longer than this a recording paused, and its headings begin anew."""
 
 
 def read_csv(path: Path, mapping: CsvMapping) -> Recording:
@@ -142,6 +146,14 @@ class _Sensors:
         if latest > earliest_end:
             raise RecordingFormatError(say("table.clocks_apart", where=list(sensors)))
         sensors = {name: replace(one, time_s=one.time_s - first) for name, one in sensors.items()}
+        pauses_s = np.concatenate(
+            [gaps[gaps > _PAUSE_S] for one in sensors.values() if (gaps := np.diff(one.time_s)).size]
+        )
+        if pauses_s.size:
+            longest = float(pauses_s.max())
+            self.notes.append(
+                say("time.pauses", count=math.ceil(pauses_s.size / len(sensors)), longest_s=longest)
+            )
         base = next(iter(sensors.values())).time_s
         if all(np.array_equal(base, one.time_s) for one in sensors.values()):
             return sensors

@@ -19,9 +19,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.field_axes_apart": "{where:place}: Gyroskop und Magnetometer haben nicht dieselben Achsen."
     " Prüfen Sie die angegebenen Achsen: {mapping:and}.",
-    "readings.field_down": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach unten. Der"
-    " Beschleunigungssensor liefert Schwerkraft statt spezifischer Kraft (wie Geräte mit"
-    " Nord-Ost-unten-Achsen), oder das Magnetometer ist umgekehrt: Ändern Sie das Vorzeichen.",
+    "readings.field_down": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach unten. Das stimmt, wo"
+    " nördlich des Äquators aufgenommen wurde: Geben Sie das an. Sonst liefert der Beschleunigungssensor Schwerkraft"
+    " statt spezifischer Kraft, wie Telefone und Geräte mit Nord-Ost-unten-Achsen, oder das Magnetometer ist"
+    " umgekehrt: Geben Sie seinen Spalten das andere Vorzeichen.",
     "readings.field_in_gauss": "Das sieht nach Gauß aus: durch 10 000 teilen.",
     "readings.field_in_microtesla": "Das sieht nach Mikrotesla aus: durch 1 000 000 teilen.",
     "readings.field_in_milligauss": "Das sieht nach Milligauß aus: durch 10 000 000 teilen.",
@@ -29,9 +30,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.field_normalised": "Das sieht nach einem normierten Feld aus: Senden Sie die Rohwerte.",
     "readings.field_off": "{where:place}: Das Magnetometer zeigt {field_t:ut~3}, erwartet sind 25 bis 65 µT."
     " Prüfen Sie die Einheit, gehen Sie weg von Eisen und Magneten, und kalibrieren Sie es.",
-    "readings.field_up": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach oben. Der"
-    " Beschleunigungssensor liefert Schwerkraft statt spezifischer Kraft (wie Geräte mit"
-    " Nord-Ost-unten-Achsen), oder das Magnetometer ist umgekehrt: Ändern Sie das Vorzeichen.",
+    "readings.field_up": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach oben. Das stimmt, wo"
+    " südlich des Äquators aufgenommen wurde: Geben Sie das an. Sonst liefert der Beschleunigungssensor Schwerkraft"
+    " statt spezifischer Kraft, wie Telefone und Geräte mit Nord-Ost-unten-Achsen, oder das Magnetometer ist"
+    " umgekehrt: Geben Sie seinen Spalten das andere Vorzeichen.",
     "readings.field_varies": "{where:place}: Das Magnetfeld schwankt um {share:percent}. Gehen Sie weg von Eisen"
     " und Magneten, oder kalibrieren Sie das Magnetometer.",
     "readings.force_in_counts": "Das sieht nach rohen Zählwerten aus: Skalieren Sie sie nach dem Datenblatt.",

@@ -53,6 +53,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "table.clocks_apart": "Die Uhren von {where:and} haben keine Zeit gemeinsam: Zwei von ihnen waren nie zugleich"
     " an. Laden Sie jeden Sensor für sich hoch, oder wählen Sie eine Uhr für alle.",
     "table.sensors_joined": "Die Zeiten von {where:and} sind verschieden; alle werden auf eine gebracht.",
+    "time.pauses": {
+        "one": "Die Aufzeichnung macht eine Pause von {longest_s:s}; dazwischen ist nichts bekannt.",
+        "other": "Die Aufzeichnung macht {count:number} Pausen, die längste {longest_s:s}; dazwischen ist nichts"
+        " bekannt.",
+    },
     "table.not_a_number_in_line": "Zeile {line:number}: Der Wert in der Spalte {column} ist keine Zahl; die Spalten der"
     " Zuordnung dürfen nur Zahlen enthalten.",
     "table.not_a_number": "Ein Wert in der Spalte {column} ist keine Zahl; die Spalten der Zuordnung dürfen nur"

@@ -73,12 +73,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " its unit, go away from iron and magnets, and calibrate it.",
     "readings.field_varies": "{where:place}: the magnetic field varies by {share:percent}. Go away from iron and"
     " magnets, or calibrate the magnetometer.",
-    "readings.field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. The accelerometer gives"
-    " gravity instead of specific force (as north-east-down devices do), or the magnetometer is reversed: change the"
-    " sign.",
-    "readings.field_down": "{where:place}: the magnetic field points down by {angle_rad:deg}. The accelerometer"
-    " gives gravity instead of specific force (as north-east-down devices do), or the magnetometer is reversed:"
-    " change the sign.",
+    "readings.field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. That is right where this was"
+    " recorded south of the equator: say so. Otherwise the accelerometer gives gravity instead of specific force, as"
+    " phones and north-east-down devices do, or the magnetometer is reversed: give its columns the other sign.",
+    "readings.field_down": "{where:place}: the magnetic field points down by {angle_rad:deg}. That is right where this"
+    " was recorded north of the equator: say so. Otherwise the accelerometer gives gravity instead of specific force,"
+    " as phones and north-east-down devices do, or the magnetometer is reversed: give its columns the other sign.",
 }
 
 __all__ = ["ENGLISH"]

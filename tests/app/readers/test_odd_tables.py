@@ -14,7 +14,18 @@ from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
 from app.readers.tables.schemas import CsvMapping, GuessedMapping
 from tests.app.readers.odd_fields import field_tables
-from tests.app.readers.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
+from tests.app.readers.odd_tables import (
+    ALL,
+    FIELD_UT,
+    FORCE,
+    GYROSCOPE,
+    PLAIN,
+    TIME_S,
+    odd_tables,
+    refused_tables,
+    rows_of,
+    text,
+)
 from tests.said import codes
 
 ODD, REFUSED = odd_tables() | field_tables(), refused_tables()
@@ -143,3 +154,41 @@ def test_a_number_beyond_all_units_is_none():
     found = readers.preview_text("table.csv", f"time_s,ax,ay,az,gx,gy,gz\n{rows}\n".encode()).guess
     assert found is not None
     assert found.missing
+
+
+def test_turned_signs_of_a_mapping_give_the_recording_back(tmp_path):
+    """An accelerometer that gives gravity: all three axes, or one by one."""
+    turned = text([PLAIN], rows_of(GYROSCOPE, -FORCE, FIELD_UT))
+    path = tmp_path / "table.csv"
+    path.write_text(turned)
+    guess = readers.preview_text(path.name, path.read_bytes()).guess.mapping
+    force = next(one for one in guess["signals"] if one["quantity"] == "accelerometer")
+    for change in ({"sign": -1}, {"columns": [f"-{name}" for name in force["columns"]]}):
+        signals = [{**one, **change} if one is force else one for one in guess["signals"]]
+        found = readers.read(path, "csv", CsvMapping.model_validate({**guess, "signals": signals}))
+        np.testing.assert_allclose(found.sensors["imu"].accelerometer_mps2, FORCE, rtol=2e-6, atol=2e-6)
+
+
+def test_clocks_without_a_common_time_are_refused(tmp_path):
+    odd = ODD["a clock for each sensor"]
+    lines = odd.content.decode().split("\n")
+    moved = [lines[0]]
+    for line in filter(None, lines[1:]):
+        fields = line.split(",")
+        fields[7] = f"{float(fields[7]) + 5000.0:.14g}"
+        moved.append(",".join(fields))
+    path = tmp_path / "table.csv"
+    path.write_text("\n".join(moved))
+    guess = readers.preview_text(path.name, path.read_bytes()[: readers.HEAD_BYTES]).guess
+    with pytest.raises(RecordingFormatError) as refused:
+        readers.read(path, "csv", CsvMapping.model_validate(guess.mapping))
+    assert codes(refused.value.message) == ["table.clocks_apart"]
+
+
+def test_a_long_pause_is_said(tmp_path):
+    stamps = np.where(np.arange(len(TIME_S)) < 700, TIME_S, TIME_S + 1200.0)
+    path = tmp_path / "table.csv"
+    path.write_text(text([PLAIN], rows_of(*ALL, time_s=stamps)))
+    guess = readers.preview_text(path.name, path.read_bytes()[: readers.HEAD_BYTES]).guess
+    found = readers.read(path, "csv", CsvMapping.model_validate(guess.mapping))
+    assert "time.pauses" in codes(found.notes)

@@ -6362,10 +6362,9 @@ export interface components {
             format?: string | null;
             /**
              * Hemisphere
-             * @default north
-             * @enum {string}
+             * @default null
              */
-            hemisphere?: "north" | "south" | "unknown";
+            hemisphere?: ("north" | "south" | "unknown") | null;
             /**
              * Orientation
              * @default telemotion

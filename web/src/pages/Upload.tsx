@@ -35,8 +35,9 @@ const PLACEMENTS: Placement[] = [
   'shoulder_right',
   ...LEG_PLACEMENTS,
 ];
-type Hemisphere = NonNullable<UploadIn['hemisphere']>;
-const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
+/** `place`: where the service is. */
+type Hemisphere = NonNullable<UploadIn['hemisphere']> | 'place';
+const HEMISPHERES: Hemisphere[] = ['place', 'north', 'south', 'unknown'];
 
 /** The one format whose files alone end so; null: only the contents say it, and the service reads those. */
 function formatOf(name: string, formats: readonly Format[]): Format | null {
@@ -74,7 +75,7 @@ export function UploadPage() {
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [withLegs, setWithLegs] = useState(false);
-  const [hemisphere, setHemisphere] = useState<Hemisphere>('north');
+  const [hemisphere, setHemisphere] = useState<Hemisphere>('place');
   const [accepts, setAccepts] = useState(false);
   const [day, setDay] = useState('');
   const [sent, setSent] = useState(0);
@@ -150,7 +151,7 @@ export function UploadPage() {
       orientation,
       calibration_pose_s: knowsPose && hasPose ? pose : null,
       feet_apart_m: kind.asksFeetApart && apartCm !== null ? apartCm / 100 : null,
-      hemisphere,
+      hemisphere: hemisphere === 'place' ? null : hemisphere,
       with_legs: withLegs && hasPose,
       accept_implausible: accepts,
       recorded_at: day === '' ? null : noonOf(day),
@@ -323,7 +324,7 @@ export function UploadPage() {
                   allowDeselect={false}
                   data={HEMISPHERES.map((value) => ({ value, label: t(`upload.hemisphere.${value}`) }))}
                   value={hemisphere}
-                  onChange={(value) => setHemisphere(value ?? 'north')}
+                  onChange={(value) => setHemisphere(value ?? 'place')}
                 />
                 <Checkbox
                   label={t('upload.accept')}

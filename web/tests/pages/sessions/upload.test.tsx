@@ -233,7 +233,7 @@ describe('upload', () => {
       job({ is_implausible: true, message: 'forearm_right: the axes do not fit.' }),
     );
     expect(within(alert).getByText(/axes do not fit/)).toBeTruthy();
-    expect(declared[0]).toMatchObject({ accept_implausible: false, hemisphere: 'north' });
+    expect(declared[0]).toMatchObject({ accept_implausible: false, hemisphere: null });
     await user.click(screen.getByRole('checkbox', { name: 'Analyse it as it is' }));
     await user.click(screen.getByRole('combobox', { name: 'Recorded' }));
     await user.click(await screen.findByRole('option', { name: 'South of the equator' }));

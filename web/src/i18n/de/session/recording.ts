@@ -475,6 +475,7 @@ export const session: Translated<typeof english> = {
   'upload.poseFrom': 'Von',
   'upload.poseUntil': 'Bis',
   'upload.hemisphere': 'Aufgezeichnet',
+  'upload.hemisphere.place': 'Wo diese Klinik ist',
   'upload.hemisphere.north': 'Nördlich des Äquators',
   'upload.hemisphere.south': 'Südlich des Äquators',
   'upload.hemisphere.unknown': 'Nahe am Äquator, oder nicht bekannt',

@@ -458,6 +458,7 @@ export const session = {
   'upload.poseFrom': 'From',
   'upload.poseUntil': 'Until',
   'upload.hemisphere': 'Recorded',
+  'upload.hemisphere.place': 'Where this clinic is',
   'upload.hemisphere.north': 'North of the equator',
   'upload.hemisphere.south': 'South of the equator',
   'upload.hemisphere.unknown': 'Near the equator, or not known',
