@@ -5,6 +5,7 @@ import { useNavigate } from 'react-router';
 import { useNewSession } from '../api/queries';
 import type { SessionIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
+import type { Unsaved } from '../components/forms/useUnsaved';
 import { Problem } from '../components/Feedback';
 import { t } from '../i18n';
 import type { BeginProps } from './kind';
@@ -18,27 +19,41 @@ interface Props extends BeginProps {
   create?: ReturnType<typeof useNewSession>;
   /** Shown above the buttons. */
   note?: ReactNode;
+  /** Where more is chosen than a click repeats: asked for before leaving, and offered on coming back. */
+  unsaved?: Unsaved;
 }
 
 export function BeginForm(props: Props) {
   const navigate = useNavigate();
   const plain = useNewSession();
-  const { patient, pipeline, declared, create = plain } = props;
+  const { patient, pipeline, declared, create = plain, unsaved } = props;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!declared) return;
     create.mutate(
       { patient_id: patient.id, pipeline, ...declared },
-      { onSuccess: ({ id }) => void navigate(`/sessions/${id}/live`) },
+      {
+        onSuccess: ({ id }) => {
+          unsaved?.release();
+          void navigate(`/sessions/${id}/live`);
+        },
+      },
     );
   };
   return (
     <form className="stack" onSubmit={submit}>
+      {unsaved?.guard}
       {create.error && <Problem error={create.error} />}
       {props.children}
       {props.note}
       <Group justify="flex-end">
-        <Button variant="default" onClick={() => void navigate(`/patients/${patient.id}`)}>
+        <Button
+          variant="default"
+          onClick={() => {
+            unsaved?.release();
+            void navigate(`/patients/${patient.id}`);
+          }}
+        >
           {t('action.cancel')}
         </Button>
         <Button type="submit" disabled={declared === null} loading={create.isPending}>

@@ -6,6 +6,7 @@ import { Answer } from '../../components/Feedback';
 import { Advanced } from '../../components/forms/Advanced';
 import { RadioCards } from '../../components/forms/Choice';
 import { PlacementChoice } from '../../components/forms/PlacementChoice';
+import { useUnsaved } from '../../components/forms/useUnsaved';
 import { t } from '../../i18n';
 import { placementList } from '../../lib/channels';
 import { day } from '../../lib/format';
@@ -23,6 +24,17 @@ export function BeginArm(props: BeginProps) {
   const [orientation, setOrientation] = useState<string | null>(null);
   const [constrain, setConstrain] = useState(false);
   const [useMounting, setUseMounting] = useState(false);
+  const unsaved = useUnsaved({
+    object: `session:${patient.id}:${purpose}`,
+    value: { chosen, orientation, constrain, useMounting },
+    isChanged: chosen !== null || orientation !== null || constrain || useMounting,
+    onRestore: (stored) => {
+      setPlacements(stored.chosen);
+      setOrientation(stored.orientation);
+      setConstrain(stored.constrain);
+      setUseMounting(stored.useMounting);
+    },
+  });
   const problem = placementProblem(placements);
   const declared = {
     ...exercise,
@@ -34,7 +46,7 @@ export function BeginArm(props: BeginProps) {
   };
   const mounted = patient.mounting;
   return (
-    <BeginForm {...props} declared={problem ? null : declared}>
+    <BeginForm {...props} unsaved={unsaved} declared={problem ? null : declared}>
       <PlacementChoice value={placements} onChange={setPlacements} />
       {problem && (
         <p className="alert-text" role="alert">

@@ -1,4 +1,4 @@
-import { screen, within } from '@testing-library/react';
+import { act, screen, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { NewSessionPage } from '../../../src/pages/session/NewSession';
@@ -62,5 +62,17 @@ describe('a new session', () => {
     outside.querySelectorAll('details').forEach((one) => one.remove());
     expect(outside.textContent).not.toMatch(/orientation is estimated|Near iron/);
     expect(fold?.textContent).toMatch(/Near iron/);
+  });
+
+  it('asks before sensors that were chosen are left, and not once the session is made', async () => {
+    sessionStorage.clear();
+    const { router } = open();
+    await userEvent.click(await screen.findByRole('checkbox', { name: 'Pelvis' }));
+    await act(() => router.navigate('/elsewhere'));
+    await userEvent.click(await screen.findByRole('button', { name: 'Stay here' }));
+    await go();
+    expect(await screen.findByText('elsewhere')).toBeTruthy();
+    expect(router.state.location.pathname).toBe('/sessions/s/live');
+    expect(sessionStorage).toHaveLength(0);
   });
 });
