@@ -15,7 +15,8 @@ const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
 
 /** What may be said of the change with this session; the progress beside a report ends with it. */
 export function verdict(measure: ProgressMeasure | null, sessionId: string): string {
-  return measure && pointOf(measure, sessionId) ? trendShort(measure) : '–';
+  // Of too few days the headline says so, once.
+  return measure && measure.trend.word !== 'values' && pointOf(measure, sessionId) ? trendShort(measure) : '–';
 }
 
 /** The same as sentences. */

@@ -62,7 +62,7 @@ export const report: Translated<typeof english> = {
   'report.thisSession': 'Diese Sitzung',
   'report.change': 'Veränderung bis zu dieser Sitzung',
   'report.tableHelp':
-    'Nach ± eines Werts: eine Standardabweichung innerhalb der Sitzung; einer Veränderung: die Hälfte ihres 95-%-Intervalls. Die Veränderung ist die des Trends aller Tage bis zu dieser Sitzung, seit dem ersten innerhalb von acht Wochen.',
+    'Nach ± eines Werts: eine Standardabweichung innerhalb der Sitzung; einer Veränderung: die Hälfte ihres 95-%-Intervalls. Die Veränderung ist die des Trends aller Tage bis zu dieser Sitzung, seit dem ersten innerhalb von acht Wochen; – bei weniger als vier Tagen.',
   'report.legendRepetitions': { one: 'Patient/in, {count} Wiederholung', other: 'Patient/in, {count} Wiederholungen' },
   'report.legendStrides': { one: 'Patient/in, {count} Doppelschritt', other: 'Patient/in, {count} Doppelschritte' },
   'report.legendOutside': 'Außerhalb des Bandes: dick und rot, mit einem Balken darunter',

@@ -62,7 +62,7 @@ export const report = {
   'report.thisSession': 'This session',
   'report.change': 'Change up to this session',
   'report.tableHelp':
-    'After ± of a value: one standard deviation within the session; of a change: half of its 95\u00a0% interval. The change is that of the trend of all days up to this session, since the first one within eight weeks.',
+    'After ± of a value: one standard deviation within the session; of a change: half of its 95\u00a0% interval. The change is that of the trend of all days up to this session, since the first one within eight weeks; – of fewer than four days.',
   'report.legendRepetitions': { one: 'Patient, {count} repetition', other: 'Patient, {count} repetitions' },
   'report.legendStrides': { one: 'Patient, {count} stride', other: 'Patient, {count} strides' },
   'report.legendOutside': 'Outside the band: thick and red, with a bar below',
