@@ -73,7 +73,10 @@ def read(path: Path, format: str = "auto", csv: "CsvMapping | None" = None, name
     reader = reader_of(format)
     if reader.needs_mapping and csv is None:
         raise InvalidInput(say("file.csv_needs_mapping"), field="csv")
-    return reader.read(Source(path, name, csv))
+    # Only who reads a recording waits for what does it.
+    from app.readers.slower import slower
+
+    return slower(reader.read(Source(path, name, csv)))
 
 
 def guess(path: Path, name: str = "") -> str:

@@ -70,6 +70,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "one": "The recording pauses once, for {longest_s:s}; nothing is known in between.",
         "other": "The recording pauses {count:number} times, for {longest_s:s} at most; nothing is known in between.",
     },
+    "file.averaged_down": "{from_hz:hz} are more than movement needs: the means of {count:number} samples each are"
+    " estimated, at {rate_hz:hz}.",
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
     " column is what.",
     "guess.no_signal": "No three columns are named as x, y and z of an angular rate or an acceleration.",

@@ -58,6 +58,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "other": "Die Aufzeichnung macht {count:number} Pausen, die längste {longest_s:s}; dazwischen ist nichts"
         " bekannt.",
     },
+    "file.averaged_down": "{from_hz:hz} sind mehr, als Bewegung braucht: Ausgewertet werden die Mittel von je"
+    " {count:number} Messwerten, mit {rate_hz:hz}.",
     "table.not_a_number_in_line": "Zeile {line:number}: Der Wert in der Spalte {column} ist keine Zahl; die Spalten der"
     " Zuordnung dürfen nur Zahlen enthalten.",
     "table.not_a_number": "Ein Wert in der Spalte {column} ist keine Zahl; die Spalten der Zuordnung dürfen nur"
