@@ -77,11 +77,16 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
 
     Raises
     ------
-    InvalidInput
-        For an ending that no table has.
+    InvalidInput, RecordingFormatError
+        Nobody reads it.
     """
+    from app.readers.tables.preview import Preview
+
     if table.suffix.lower() not in readers.TEXT:
-        raise InvalidInput(f"{table} is no table: those end with {', '.join(sorted(readers.TEXT))}")
+        # What says by itself what it is needs no guess; who knows it refuses it in its own words.
+        format = readers.guess(table)
+        own = cast("PipelineName", readers.reader_of(format).pipeline or pipeline)
+        return Preview(format, own)
     asked = cast("PipelineName | None", pipeline or None)
     return readers.preview_text(table.name, readers.start_of(table), asked, rate_hz)
 

@@ -31,6 +31,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.arrays_not_numbers": "The arrays of the file do not hold numbers.",
     "file.samples_and_times": "The file has {samples:number} samples and {times:number} time stamps; it is"
     " damaged.",
+    "file.hdf5_of_sensors": "This is an HDF5 of several sensors, as APDM's software records it. Export the recording as"
+    " CSV there and choose that file.",
     "file.not_this_kind": "The file has no {missing:and}; it is not {kind:file_kind}.",
     "file.arrays_not_this_kind": "The arrays of the file are not those of {kind:file_kind}.",
     "file.none_of_sensors": "The file has none of the sensors {names:or}; it is not {kind:file_kind}.",

@@ -78,6 +78,8 @@ def _hdf5(path: Path) -> dict[str, Any]:
         import h5py
 
         with h5py.File(path, "r") as file:
+            if _NAMES[0] not in file and "Sensors" in file:
+                raise RecordingFormatError(say("file.hdf5_of_sensors"))
             check_hdf5(file, _NAMES)
             content = {name: file[name][()] for name in _NAMES if name in file}
             for name in _NAMES:

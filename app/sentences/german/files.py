@@ -27,6 +27,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " {kind:file_kind}.",
     "file.not_finite": "Die Datei enthält Werte, die nicht endlich sind; füllen oder schneiden Sie diese Lücken"
     " zuerst.",
+    "file.hdf5_of_sensors": "Das ist ein HDF5 mehrerer Sensoren, wie die Software von APDM es aufzeichnet. Exportieren"
+    " Sie die Aufzeichnung dort als CSV, und wählen Sie diese Datei.",
     "file.not_this_kind": "In der Datei fehlt: {missing:and}; sie passt nicht zu dieser Art: {kind:file_kind}.",
     "file.rate_impossible": "Eine Abtastrate von {rate_hz:hz~3} ist nicht möglich; die Datei ist beschädigt.",
     "file.row_incomplete": "Zeile {row} ist nicht vollständig; ergänzen oder entfernen Sie sie.",

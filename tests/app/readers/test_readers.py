@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 import scipy.io
@@ -422,3 +423,12 @@ def test_gravity_is_looked_for_where_a_foot_is_calm():
     with accepting(True) as said:
         check_accelerometer(9.80665 * force, 0.01, "g", "foot_left")
     assert codes(said) == ["signal.no_gravity", "file.looks_like_unit"]
+
+
+def test_an_hdf5_of_sensors_is_named_and_its_export_too(tmp_path: Path) -> None:
+    path = tmp_path / "sensors.h5"
+    with h5py.File(path, "w") as file:
+        file["Sensors/4321/Gyroscope"] = np.zeros((10, 3))
+    with pytest.raises(RecordingFormatError) as refused:
+        readers.read(path)
+    assert codes(refused.value.message) == ["file.hdf5_of_sensors"]
