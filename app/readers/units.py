@@ -41,6 +41,8 @@ _STEPS_PERCENT, _LEAST_STEP_RADPS, _LEAST_STEP_MPS2 = 99.5, 1.0, 5.0
 """Of a foot's samples the quickest: a step turns it faster and shakes it harder than this."""
 FIELD_RANGE_T: Final = (10e-6, 150e-6)
 """The earth's field is 22 to 67 microtesla; steel in buildings bends it."""
+_MOST_IRON_T: Final = 2e-3
+"""Larger fields than this are beyond what a compass measures: no iron, another unit."""
 FASTEST_TURN_RADPS: Final = 70.0
 """4000 degrees a second: the widest gyroscopes clip there."""
 
@@ -119,6 +121,13 @@ def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, wher
     _refuse(say("signal.foot_gyroscope", where=where, raw=raw, unit=unit, advice=advice), where, "gyroscope")
 
 
+def is_earths(field_t: Float) -> bool:
+    """Return whether a field, shape (N, 3), T, has about the size of the earth's."""
+    sizes = np.linalg.norm(field_t, axis=1)
+    sizes = sizes[np.isfinite(sizes)]
+    return bool(sizes.size) and FIELD_RANGE_T[0] <= float(np.median(sizes)) <= FIELD_RANGE_T[1]
+
+
 def check_magnetometer(values: Float, unit: str, where: str) -> None:
     """Refuse a sensor whose median field is not about that of the earth, and guess the unit meant."""
     sizes = np.linalg.norm(values, axis=1)
@@ -152,9 +161,20 @@ def _check_size(size: float, unit: str, where: str, quantity: str, expected: tup
     message = (
         say("signal.no_gravity", where=where, raw=raw, unit=unit, advice=advice)
         if quantity == "accelerometer"
-        else say("signal.no_earth_field", where=where, raw=raw, unit=unit, advice=advice)
+        else say(
+            "signal.no_earth_field",
+            where=where,
+            raw=raw,
+            unit=unit,
+            advice=_iron_or(fitting) if size < _MOST_IRON_T else advice,
+        )
     )
     _refuse(message, where, quantity)
+
+
+def _iron_or(units: list[str]) -> Sentence:
+    """Return what to do about a field that is not the earth's: iron is more often the cause than a wrong unit."""
+    return say("signal.iron_or_unit", units=units) if units else say("signal.iron_or_columns")
 
 
 def _advice(unit: str | None) -> Sentence:
@@ -170,4 +190,5 @@ __all__ = [
     "check_foot_gyroscope",
     "check_gyroscope",
     "check_magnetometer",
+    "is_earths",
 ]

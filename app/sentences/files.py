@@ -111,6 +111,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " gravity (9.81 m/s²) was expected. {advice}",
     "signal.no_earth_field": "{where:place}: the magnetometer has a median of {raw:number~3} {unit};"
     " the earth's field (22 to 67 µT) was expected. {advice}",
+    "signal.iron_or_unit": "Iron on the device looks so: turn the sensor about all its axes in the recording, or leave"
+    " the compass out. So does another unit: declare {units:or} only if the device gives it.",
+    "signal.iron_or_columns": "Iron on the device looks so: turn the sensor about all its axes in the recording, or"
+    " leave the compass out. Otherwise check its columns and its unit.",
     "signal.check_columns": "Check its columns and its unit.",
     "table.endless_line": "The first line has no end; this is not a table.",
     "table.not_utf8": "The file is not UTF-8 text. Save it as CSV in UTF-8 and upload it again.",

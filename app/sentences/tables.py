@@ -72,6 +72,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     },
     "file.averaged_down": "{from_hz:hz} are more than movement needs: the means of {count:number} samples each are"
     " estimated, at {rate_hz:hz}.",
+    "table.iron": "{where:place}: the compass was never calibrated. Iron of {field_t:ut} on the device was found by its"
+    " turning and is taken out.",
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
     " column is what.",
     "guess.no_signal": "No three columns are named as x, y and z of an angular rate or an acceleration.",

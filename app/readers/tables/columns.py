@@ -26,8 +26,10 @@ from app.readers.units import (
     check_accelerometer,
     check_gyroscope,
     check_magnetometer,
+    is_earths,
 )
 from app.sentences import Sentence, say
+from estimators.calibration.field.device_iron import device_iron
 from estimators.recording import Float, Recording, SensorSignals
 
 _PAUSE_S: Final = 5.0
@@ -130,7 +132,18 @@ class _Sensors:
                 elif name == "accelerometer":
                     check_accelerometer(found[name], step_s, one.unit, placement)
                 else:
+                    found[name] = self._without_iron(placement, found[name])
                     check_magnetometer(found[name], one.unit, placement)
+
+    def _without_iron(self, placement: str, field_t: Float) -> Float:
+        """Take iron out of a compass that was never calibrated, where its size cannot be the earth's field."""
+        if is_earths(field_t):
+            return field_t
+        iron_t = device_iron(field_t)
+        if iron_t is None:
+            return field_t
+        self.notes.append(say("table.iron", where=placement, field_t=float(np.linalg.norm(iron_t))))
+        return np.asarray(field_t - iron_t)
 
     def together(self, sensors: dict[str, SensorSignals]) -> dict[str, SensorSignals]:
         """Return all sensors on one time that begins with the first of them; on even stamps where theirs differ.

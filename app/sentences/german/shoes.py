@@ -65,6 +65,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " misst. {advice}",
     "signal.no_earth_field": "{where:place}: Der Median des Magnetometers ist {raw:number~3} {unit}; erwartet"
     " wurde das Erdfeld (22 bis 67 µT). {advice}",
+    "signal.iron_or_unit": "Eisen am Gerät sieht so aus: Drehen Sie den Sensor in der Aufzeichnung um alle Achsen, oder"
+    " lassen Sie den Kompass weg. Eine andere Einheit sieht auch so aus: Geben Sie {units:or} nur an, wenn das Gerät"
+    " sie liefert.",
+    "signal.iron_or_columns": "Eisen am Gerät sieht so aus: Drehen Sie den Sensor in der Aufzeichnung um alle Achsen,"
+    " oder lassen Sie den Kompass weg. Prüfen Sie sonst Spalten und Einheit.",
     "signal.no_gravity": "{where:place}: Der Median des Beschleunigungssensors ist {raw:number~3} {unit};"
     " erwartet wurde die Schwerkraft (9,81 m/s²). {advice}",
     "signal.no_numbers": "{where:place}: keine Zahlen für {quantity:quantity}.",
