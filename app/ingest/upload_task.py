@@ -182,7 +182,8 @@ def _declare(
         found.started_at = found.started_at or recorded_at
         is_known = found.started_at is not None
         found.started_at = found.started_at or utc_now()
-        if found.prescription_id is None and found.purpose == "exercise":
+        # Of an unknown day nobody can say what was prescribed then.
+        if is_known and found.prescription_id is None and found.purpose == "exercise":
             found.prescription_id = prescribed_at(session, found, found.started_at)
         if not is_known:
             # Also on the time line, where it is read when the message of the task is long gone.

@@ -156,7 +156,7 @@ def prescribed_at(session: Session, found: MotionSession, at: datetime) -> str |
     Returns
     -------
     str or None
-        The newest of several; None where the exercise was not prescribed, or the session names none.
+        None where the exercise was not prescribed, or twice: sessions that name none are shared among those by need.
     """
     if found.exercise_id is None:
         return None
@@ -168,10 +168,10 @@ def prescribed_at(session: Session, found: MotionSession, at: datetime) -> str |
             Prescription.starts_at <= at,
             or_(Prescription.ends_at.is_(None), Prescription.ends_at > at),
         )
-        .order_by(Prescription.starts_at.desc(), Prescription.id)
-        .limit(1)
+        .limit(2)
     )
-    return session.scalar(query)
+    found_here = session.scalars(query).all()
+    return found_here[0] if len(found_here) == 1 else None
 
 
 def patient_of(session: Session, subject: Subject, patient_id: str, level: Level) -> Patient:

@@ -23,7 +23,8 @@ _MOST_RAGGED: Final = 0.1
 """A larger share of rows with another number of columns is no table."""
 _NOTHING: Final = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "#N/A", "null", "NULL", "None", "-", "--"]
 """What stands where no number does."""
-_EMPTY: Final[dict[str, Any]] = {"null_values": _NOTHING, "strings_can_be_null": True}
+# A device may be called NA.
+_EMPTY: Final[dict[str, Any]] = {"null_values": _NOTHING, "strings_can_be_null": False}
 
 
 def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[str, Float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.errors import RecordingFormatError
 from app.readers.moments import as_metadata
-from app.readers.tables.body import read_table
+from app.readers.tables.body import MAX_VALUES, read_table
 from app.readers.tables.clocks.counter import COUNT
 from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
@@ -156,7 +156,10 @@ class _Sensors:
         first = min(float(one.time_s[0]) for one in sensors.values())
         earliest_end = min(float(one.time_s[-1]) for one in sensors.values())
         latest = max(float(one.time_s[0]) for one in sensors.values())
-        if latest > earliest_end:
+        step_s = min(usual_interval(one.time_s) for one in sensors.values())
+        last_s = max(float(one.time_s[-1]) for one in sensors.values()) - first
+        # One of them that was set to another epoch would stretch all over years.
+        if latest > earliest_end or last_s / step_s * len(sensors) > MAX_VALUES:
             raise RecordingFormatError(say("table.clocks_apart", where=list(sensors)))
         sensors = {name: replace(one, time_s=one.time_s - first) for name, one in sensors.items()}
         pauses_s = np.concatenate(
@@ -171,8 +174,6 @@ class _Sensors:
         if all(np.array_equal(base, one.time_s) for one in sensors.values()):
             return sensors
         self.notes.append(say("table.sensors_joined", where=list(sensors)))
-        step_s = min(usual_interval(one.time_s) for one in sensors.values())
-        last_s = max(float(one.time_s[-1]) for one in sensors.values())
         at_s = step_s * np.arange(round(last_s / step_s) + 1, dtype=np.float64)
         return {name: _at(one, at_s) for name, one in sensors.items()}
 

@@ -97,7 +97,7 @@ def guess_of_head(
     time = guess_time(head, body.of_rows(triples[0].rows) if triples else body, signals_of, rate_hz)
     if not kinds and triples:
         others = [c for c in head.columns if c not in signals_of and c != time.column]
-        if turns := devices_of_rows(body, others, time.column, time.unit):
+        if turns := devices_of_rows(body, others, time.column, time.unit, triples[0].columns):
             triples = _of_devices(triples, turns)
             notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
             time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)
@@ -165,7 +165,8 @@ def _of_kinds(head: TableHead, body: Body, kinds: Turns) -> list[Triple]:
 
 def _of_devices(triples: list[Triple], turns: Turns) -> list[Triple]:
     """Return the triples once for each device whose rows take turns."""
-    several = len({one.device for one in triples}) > 1
+    # Words that say a place stay: two sensors of one device, or the one that all wear.
+    several = len({one.device for one in triples}) > 1 or placement_of(triples[0].device) is not None
     found: list[Triple] = []
     for value in turns.values:
         name = re.sub(r"[^\w .-]+", "_", value).strip("_ .-")[:60] or str(turns.values.index(value) + 1)

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.readers.tables.clocks.of_day import CLOCK
 from app.readers.tables.head import TableHead, is_number
-from app.readers.tables.names import quantity_of, words_of
+from app.readers.tables.names import placement_of, quantity_of, words_of
 from app.readers.tables.units import Body
 from estimators.recording import Float
 
@@ -27,6 +28,41 @@ _TURN: Final = 1.5
 """Times the mean step of all rows: what one device of several takes at least to its next sample."""
 _OVERLAP: Final = 0.5
 """Of the time of a device: while it was on, others were, too."""
+_JUMP: Final = 3.0
+_DEVICE: Final = frozenset(
+    {
+        "device",
+        "sensor",
+        "imu",
+        "node",
+        "mac",
+        "address",
+        "addr",
+        "serial",
+        "unit",
+        "gerät",
+        "placement",
+        "position",
+    }
+) | {"location", "limb", "segment", "side", "name", "devicename"}
+_NO_DEVICE: Final = frozenset(
+    {"trial", "rep", "repetition", "run", "set", "subject", "participant", "session"}
+) | {
+    *(
+        "round",
+        "block",
+        "phase",
+        "activity",
+        "label",
+        "event",
+        "seq",
+        "sequence",
+        "count",
+        "counter",
+        "sync",
+        "index",
+    )
+}
 _OF_SIGNALS: Final = frozenset({"gyroscope", "accelerometer", "magnetometer"})
 
 
@@ -64,8 +100,10 @@ def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
     return None
 
 
-def devices_of_rows(body: Body, columns: list[str], time: str | None, unit: str) -> Turns | None:
-    """Return the column that says of each row which device it is of; None where there is none.
+def devices_of_rows(
+    body: Body, columns: list[str], time: str | None, unit: str, signals: tuple[str, ...]
+) -> Turns | None:
+    """Return the column by which rows of several devices differ; None where there is none.
 
     Parameters
     ----------
@@ -75,19 +113,36 @@ def devices_of_rows(body: Body, columns: list[str], time: str | None, unit: str)
     time : str or None
         The clock; None: rows are counted.
     unit : str
+    signals : tuple of str
+        Of one quantity: what jumps from device to device.
     """
     stamps = body.times(time, unit if unit == CLOCK else "s") if time is not None else None
     for column in columns:
-        values = _values(body, column)
+        values, words = _values(body, column), set(words_of(column))
         if not 2 <= len(values) <= _MOST_DEVICES or any(
             re.fullmatch(r"[+-]?\d*[.,]\d+", one) for one in values
         ):
             continue
         texts = np.array(body.texts(column))
+        is_named = bool(_DEVICE & words) or all(placement_of(one) is not None for one in values)
+        # What nobody calls a device makes devices only where its rows take turns and do not belong together.
+        if not is_named and (_NO_DEVICE & words or not _jumps(texts, body.numbers(*signals))):
+            continue
         at = np.arange(float(texts.size)) if stamps is None else stamps
         if _take_turns([at[texts == value] for value in values], at):
             return Turns(column, values, {})
     return None
+
+
+def _jumps(texts: NDArray[np.str_], signals: Float) -> bool:
+    """Return whether a signal differs far more from row to row than from one row of a value to its next."""
+    across = np.linalg.norm(np.diff(signals, axis=0), axis=1)[texts[1:] != texts[:-1]]
+    inside = [np.linalg.norm(np.diff(signals[texts == value], axis=0), axis=1) for value in np.unique(texts)]
+    within = np.concatenate(inside)
+    across, within = across[np.isfinite(across)], within[np.isfinite(within)]
+    if across.size < 0.3 * texts.size or not within.size:
+        return False
+    return float(np.median(across)) > _JUMP * float(np.median(within))
 
 
 def _take_turns(parts: list[Float], at: Float) -> bool:

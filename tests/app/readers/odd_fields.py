@@ -22,7 +22,16 @@ DEGREES = np.degrees(GYROSCOPE)
 
 
 def field_tables() -> dict[str, Odd]:
-    return {**_rates(), **_counters(), **_arrivals(), **_restarts(), **_names(), **_apart()}
+    return {
+        **_rates(),
+        **_counters(),
+        **_arrivals(),
+        **_restarts(),
+        **_names(),
+        **_apart(),
+        **_marks(),
+        **_losses(),
+    }
 
 
 def _rates() -> dict[str, Odd]:
@@ -39,6 +48,13 @@ def _rates() -> dict[str, Odd]:
         "a rate among other hertz": Odd(
             f"Low pass: 40 Hz\nMains 50 Hz\nUpdate Rate: 100.0Hz\n{bare}".encode(), notes=by_rows
         ),
+        "two rates in one line": Odd(
+            f"Low-pass filter 20 Hz, sampling rate 100 Hz\n{bare}".encode(), notes=by_rows
+        ),
+        "a slower compass": Odd(
+            f"Magnetometer 20 Hz, accelerometer and gyroscope 100 Hz\n{bare}".encode(), notes=by_rows
+        ),
+        "a filter by its letters": Odd(f"DLPF: 42 Hz\nRate: 100 Hz\n{bare}".encode(), notes=by_rows),
         "milliseconds, as the rate says": Odd(
             text(["Abtastrate: 100 Hz", PLAIN], rows_of(*ALL, time_s=1e3 * TIME_S)).encode()
         ),
@@ -225,4 +241,77 @@ def _apart() -> dict[str, Odd]:
             has_field=False,
         ),
         "marks among the columns": Odd(text([f"{PLAIN},button,phase,contact"], marked).encode()),
+    }
+
+
+def _marks() -> dict[str, Odd]:
+    """Columns that take turns or begin again and are no devices."""
+    rows = rows_of(*ALL)
+
+    def marked(name: str, marks: list[str], *, content: list[list[str]] = rows, notes: str = "") -> Odd:
+        lines = [[mark, *row] for mark, row in zip(marks, content, strict=True)]
+        return Odd(text([f"{name},{PLAIN}"], lines).encode(), notes=frozenset({notes} - {""}))
+
+    again = [[f"{k % 300 / 100:.2f}", *row[1:]] for k, row in enumerate(rows)]
+    paused = np.concatenate([300 / 100 * k + k * 0.99 + TIME_S[:300] for k in range(5)])
+    trials = marked("trial", [str(1 + k // 300) for k in range(ROWS)], content=again, notes="time.set_back")
+    trials.time_s = paused
+    named = marked(
+        "repetition",
+        [("first", "second", "third", "fourth", "fifth")[k // 300] for k in range(ROWS)],
+        content=again,
+        notes="time.set_back",
+    )
+    named.time_s = paused
+    return {
+        "trials below each other": trials,
+        "repetitions by name": named,
+        "a pulse in each other row": marked("sync", [str(k % 2) for k in range(ROWS)]),
+        "a line that toggles": marked("digital in", [str(k % 2) for k in range(ROWS)]),
+        "the place in a packet": marked("slot", [str(k % 4) for k in range(ROWS)]),
+        "a number of four bits": marked("seq", [str(k % 16) for k in range(ROWS)]),
+    }
+
+
+def _losses() -> dict[str, Odd]:
+    """Stamps of the device with more lost than there, and counters that begin again at any number."""
+    said = "# sampling rate 100 Hz"
+
+    def some(there: np.ndarray) -> Odd:
+        rows = np.flatnonzero(there)
+        content = text([PLAIN], rows_of(*ALL, time_s=TIME_S[rows], rows=rows))
+        return Odd(content.encode(), {"imu": rows})
+
+    def counted(count: np.ndarray, name: str = "counter") -> Odd:
+        lines = [[str(int(c)), *row] for c, row in zip(count, rows_of(*ALL, time_s=None), strict=True)]
+        return Odd(text([said, ",".join([name, *NINE])], lines).encode(), notes=frozenset({"guess.counter"}))
+
+    k = np.arange(ROWS)
+    hole = np.flatnonzero((k < 700) | (k >= 1100))
+    return {
+        "six of twenty rows": some(k % 20 < 6),
+        "on for 0.3 s, off for 0.45 s": some(k % 75 < 30),
+        "on for 0.1 s, off for 0.3 s": some(k % 40 < 10),
+        **{f"a counter to {most}": counted(k % most) for most in (100, 128, 160, 200, 512)},
+        "a clock that is called of samples": Odd(
+            text(
+                [said, PLAIN.replace("time", "Sample Time (s)")],
+                rows_of(*ALL, time_s=TIME_S[hole], rows=hole),
+            ).encode(),
+            {"imu": hole},
+        ),
+        "a temperature called T": Odd(
+            text(
+                [said, ",".join(["T", "counter", *NINE])],
+                [[str(20 + j), str(j), *row] for j, row in enumerate(rows_of(*ALL, time_s=None))],
+            ).encode(),
+            notes=frozenset({"guess.counter"}),
+        ),
+        "two counters, one with its rate": Odd(
+            text(
+                [",".join(["PacketCounter", "SampleTimeFine", *NINE])],
+                [[str(j), str(100 * j), *row] for j, row in enumerate(rows_of(*ALL, time_s=None))],
+            ).encode(),
+            notes=frozenset({"guess.counter"}),
+        ),
     }

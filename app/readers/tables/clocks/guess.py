@@ -37,13 +37,17 @@ _RATE: Final = re.compile(
 _OF_SAMPLES: Final = re.compile(
     r"sampl|update|output|abtast|\bodr\b|\bfs\b|data ?rate|logg|recording", re.IGNORECASE
 )
+_CLAUSE: Final = re.compile(r"[;|]|,\s|\t")
+_OF_FIELD: Final = re.compile(r"^(?!.*(gyr|acc|imu)).*mag", re.IGNORECASE)
+"""Magnetometers often have a slower rate of their own."""
 _OF_OTHERS: Final = re.compile(
-    r"heart|herz|puls|breath|atem|resp|notch|filter|cut|pass|mains|line freq|netz|baud|bit ?rate|range|band|refresh"
-    r"|screen|bpm|carrier|radio|wifi|ghz|mhz",
+    r"heart|herz|puls|breath|atem|resp|notch|filter|d?lpf|hpf|cut|pass|mains|line freq|netz|baud|bit ?rate|range|band"
+    r"|refresh|screen|bpm|carrier|radio|wifi|ghz|mhz",
     re.IGNORECASE,
 )
 _TICK_S: Final = (1e-6, 1e-4)
 """Of fine sample times whose rate nobody says: microseconds, or the ticks of 10 kHz of older devices."""
+_USUAL_STEP_S: Final = 0.999e-3
 _AGREES: Final = (0.8, 1.25)
 
 
@@ -93,7 +97,7 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
     """
     said_hz = rate_said(head.preamble) if rate_hz is None else rate_hz
     others = [column for column in head.columns if column not in signals]
-    named = [c for c in others if _TIME & set(words_of(c)) and not (_NO_STAMP | _COUNTER) & set(words_of(c))]
+    named = [c for c in others if _TIME & set(words_of(c)) and not _NO_STAMP & set(words_of(c))]
     named.sort(key=lambda column: not time_unit_of(column))
     unnamed = [c for c in others[:1] if _COUNTED.match(c)]
     clocks = [found for c in (*named, *unnamed) if (found := _stamps(body, c, said_hz, is_named=c in named))]
@@ -101,15 +105,18 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
         return _of_stamps(clocks[0], said_hz)
     if (text := _text_clock(others, body)) is not None:
         return _of_stamps(text, said_hz)
-    for column in [c for c in others if _COUNTER & set(words_of(c))] + unnamed:
-        if (step := _counted_by(body, column)) is None:
-            continue
+    counted = {
+        column: step
+        for column in [c for c in others if _COUNTER & set(words_of(c))] + unnamed
+        if (step := _counted_by(body, column)) is not None
+    }
+    for column, step in counted.items():
         rate = said_hz or (_rate_of_ticks(step) if "fine" in words_of(column) else None)
         if rate is not None:
             note = say("guess.counter", column=column, rate_hz=rate)
             return TimeGuess(column, COUNT, rate, 1.0 / rate, (note,))
-        if column not in unnamed:
-            return TimeGuess(column, COUNT, missing=(say("guess.counter_needs_rate", column=column),))
+    if first := next((one for one in counted if one not in unnamed), None):
+        return TimeGuess(first, COUNT, missing=(say("guess.counter_needs_rate", column=first),))
     if named and said_hz is None and np.isfinite(body.numbers(named[0])).any():
         # Its own refusal says more than that there is none.
         return TimeGuess(named[0], time_unit_of(named[0]) or "s")
@@ -135,7 +142,7 @@ def own_clocks(
     clocks: dict[tuple[str, str], str] = {}
     for column in head.columns:
         words = words_of(without_unit(column))
-        if column in columns or not _TIME & set(words) or (_NO_STAMP | _COUNTER) & set(words):
+        if column in columns or not _TIME & set(words) or _NO_STAMP & set(words):
             continue
         left = [word for word in words if word not in _TIME]
         quantity = quantity_of(left)
@@ -159,16 +166,18 @@ def rate_said(lines: Iterable[str]) -> float | None:
     lines : iterable of str
         A number of hertz of something else (a filter, a heart) is none.
     """
-    found: list[tuple[bool, float]] = []
-    for line in lines:
-        of_samples = _OF_SAMPLES.search(line) is not None
-        if _OF_OTHERS.search(line) and not of_samples:
+    found: dict[bool, set[float]] = {True: set(), False: set()}
+    for clause in (part for line in lines for part in _CLAUSE.split(line)):
+        of_samples = _OF_SAMPLES.search(clause) is not None
+        if (_OF_OTHERS.search(clause) and not of_samples) or _OF_FIELD.search(clause):
             continue
-        for said in _RATE.finditer(line):
+        for said in _RATE.finditer(clause):
             rate = float((said[1] or said[2]).replace(",", "."))
             if LOWEST_HZ <= rate <= HIGHEST_HZ:
-                found.append((of_samples, rate))
-    return next((rate for strong, rate in found if strong), found[0][1] if found else None)
+                found[of_samples].add(rate)
+    # Of two different ones nobody knows which is meant.
+    rates = found[True] or found[False]
+    return rates.pop() if len(rates) == 1 else None
 
 
 def _of_stamps(clock: _Stamps, said_hz: float | None) -> TimeGuess:
@@ -185,44 +194,32 @@ def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -
     steps = np.diff(values)
     if steps.size < 1 or not (steps >= 0).mean() > 0.5 or not (steps > 0).any():
         return None
-    usual = _usual(values)
-    fitting = units_of(usual)
-    if not is_named and (not fitting or (usual == round(usual) and fitting[0] != "s")):
+    written = time_unit_of(column)
+    usual = _usual(values, written)
+    # A unit that nobody wrote, and no rate that somebody said, must make a rate that most sensors have.
+    fitting = [u for u in units_of(usual) if written or said_hz or usual * UNIT_FACTORS[u] >= _USUAL_STEP_S]
+    if not is_named and (not fitting or (abs(usual - round(usual)) < 1e-6 * usual and fitting[0] != "s")):
         # A number of the row.
         return None
-    written = time_unit_of(column)
     said = [u for u in fitting if said_hz and _AGREES[0] < said_hz * usual * UNIT_FACTORS[u] < _AGREES[1]]
     unit = written if written in fitting or (written and not fitting) else (said or fitting or [""])[0]
-    if not unit:
+    is_denied = said_hz is not None and not said
+    if not unit or (
+        is_denied and not written and abs(usual - 1.0) < 1e-6 and (values == np.rint(values)).all()
+    ):
+        # It counts, or measures, something else.
         return None
     return _Stamps(column, unit, usual * UNIT_FACTORS[unit])
 
 
-def _usual(values: Float) -> float:
-    """Return the usual step of stamps in any unit: the median, unless rows come in bursts or repeat their stamp."""
+def _usual(values: Float, written: str) -> float:
+    """Return the usual step of stamps in their unit; see `usual_interval`."""
     steps = np.diff(values)
     rising = steps[steps >= 0]
-    middle = float(np.median(rising))
-    mean = float(rising.mean())
-    return (
-        middle
-        if middle > 0.5 * mean or (not middle and not mean)
-        else usual_interval_of(values, middle or mean)
-    )
-
-
-def usual_interval_of(values: Float, scale: float) -> float:
-    """Return `usual_interval` of stamps in any unit, in that unit.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-    scale : float
-        About one step; a hundred of them are no pause.
-    """
-    rising = np.maximum.accumulate(values)
-    factor = 0.005 / scale
-    return usual_interval(rising * factor) / factor
+    middle, mean = float(np.median(rising)), float(rising.mean())
+    unit = written or (units_of(middle) or units_of(mean) or ["s"])[0]
+    factor = UNIT_FACTORS.get(unit, 1.0)
+    return usual_interval(np.maximum.accumulate(values) * factor) / factor
 
 
 def _text_clock(columns: list[str], body: Body) -> _Stamps | None:

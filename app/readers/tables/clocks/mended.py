@@ -20,6 +20,8 @@ LEAST_SPACING: Final = 0.5
 """Of a usual interval: samples that follow closer arrived together, and were not measured so."""
 _LONGEST_BURST_S: Final = 0.5
 """Packets that hold several samples come more often than this; what is longer is a pause."""
+_SHORTEST_STEP_S: Final = 2.5e-3
+"""Rows that follow each other faster than 400 Hz between holes arrived together; hardly any sensor measures so."""
 _FEW_PAUSES: Final = 200
 """Of so many steps one may be a pause, which says nothing of the rate."""
 BREAK_S: Final = 1.0
@@ -165,15 +167,18 @@ def usual_interval(time_s: Float) -> float:
 
     Notes
     -----
-    The median of the steps, unless most of them are much shorter than what a row takes in the mean: then rows come in
-    bursts, and it is the mean that says how many were measured in a second.
+    The median of the steps, unless most of them are none, or far shorter than what a row takes in the mean and than
+    sensors of people measure: then rows arrive in bursts, and the mean says how many were measured in a second. Even
+    steps of a usual rate between holes are stamps of the device: the rest was lost, or not measured.
     """
     steps = np.sort(np.diff(time_s))
     usual = steps[: max(1, steps.size - 1 - steps.size // _FEW_PAUSES)]
     usual = usual[usual <= _LONGEST_BURST_S]
     mean, rising = float(usual.mean()) if usual.size else 0.0, steps[steps > 0]
     middle = float(np.median(rising)) if rising.size else 0.0
-    return middle if mean <= 0.0 or LEAST_SPACING * mean <= middle <= mean / LEAST_SPACING else mean
+    if mean <= 0.0 or LEAST_SPACING * mean <= middle <= mean / LEAST_SPACING:
+        return middle
+    return middle if middle >= _SHORTEST_STEP_S and float(np.median(steps)) > 0.0 else mean
 
 
 def _spread(time_s: Float, starts: NDArray[np.intp], length: NDArray[np.intp]) -> Float:
