@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import type { CueDesign, TemplateDesign } from '../../src/api/types';
+import type { CueDesign, StopDesign, TemplateDesign } from '../../src/api/types';
 import { designFields, designOfFields } from '../../src/lib/editing/designFields';
-import { isSame, merge } from '../../src/lib/editing/merge';
+import { isSame, merge, type Fields } from '../../src/lib/editing/merge';
 
 describe('merge', () => {
   const before = { sets: 1, repetitions: 10, question: '', end: null };
@@ -58,4 +58,44 @@ it('cuts a design into fields and puts it together again, two rules alike includ
   };
   const again = designOfFields(designFields(design), {});
   expect(again).toEqual({ ...design, pace: { silence_s: 2 } });
+});
+
+describe('two rules of one curve and side', () => {
+  const limit = (value: number, hold_s: number): StopDesign => ({
+    kind: 'limit',
+    channel: 'a',
+    side: 'above',
+    limit: value,
+    hold_s,
+  });
+  const slow = limit(1, 2);
+  const atOnce = limit(1.5, 0);
+  const joined = (before: StopDesign[], mine: StopDesign[], theirs: StopDesign[]) => {
+    const opened = { stops: before };
+    return merge(
+      designFields(opened, opened),
+      designFields({ stops: mine }, opened),
+      designFields({ stops: theirs }, opened),
+    );
+  };
+  const stopsOf = (fields: Fields) => designOfFields(fields, {}).stops;
+
+  it('never drops a limit that nobody deleted, whichever is chosen', () => {
+    const found = joined([slow, atOnce], [atOnce], [limit(1.1, 2), atOnce]);
+    expect(found.forks.map(({ mine, theirs }) => [mine, theirs])).toEqual([[undefined, limit(1.1, 2)]]);
+    expect(stopsOf(found.merged({ [found.forks[0]!.field]: 'mine' }))).toEqual([atOnce]);
+    expect(stopsOf(found.merged({ [found.forks[0]!.field]: 'theirs' }))).toEqual([limit(1.1, 2), atOnce]);
+  });
+
+  it('keeps a rule that was put in front apart from the one behind it', () => {
+    const found = joined([slow], [limit(0.8, 0), slow], [limit(1.2, 2)]);
+    expect(found.forks).toEqual([]);
+    expect(stopsOf(found.merged({}))).toEqual([limit(1.2, 2), limit(0.8, 0)]);
+  });
+
+  it('takes the one that was changed for the one it is most like', () => {
+    const found = joined([slow, atOnce], [limit(1.6, 0)], [limit(1.1, 2), atOnce]);
+    expect(found.forks.map(({ mine, theirs }) => [mine, theirs])).toEqual([[undefined, limit(1.1, 2)]]);
+    expect(stopsOf(found.merged({}))).toEqual([limit(1.1, 2), limit(1.6, 0)]);
+  });
 });

@@ -18,6 +18,8 @@ export interface Merge {
   /** What the other person changed and what stands where nobody else changed it. */
   theirs: FieldChange[];
   forks: Fork[];
+  /** What I deleted and the other person left as it was. */
+  mineRemoved: { field: string; before: unknown }[];
   /** All fields, with the choice made for each fork; the stored value where none was made. */
   merged: (choices: Readonly<Record<string, Side | undefined>>) => Fields;
 }
@@ -53,6 +55,9 @@ export function merge(before: Fields, mine: Fields, theirs: Fields): Merge {
   return {
     theirs: changed.filter((one) => !isFork.has(one.field)),
     forks,
+    mineRemoved: names
+      .filter((name) => isMine(name) && isSame(mine[name], undefined) && isSame(theirs[name], before[name]))
+      .map((field) => ({ field, before: before[field] })),
     merged: (choices) =>
       Object.fromEntries(
         names.map((name) => {

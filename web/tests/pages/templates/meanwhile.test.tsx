@@ -5,7 +5,9 @@ import axe from 'axe-core';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { Patient, Prescription, TemplateDesign, TemplateVersionDetail } from '../../../src/api/types';
 import { EditTemplatePage } from '../../../src/pages/template/editor/EditTemplate';
+import { MergePrescription } from '../../../src/pages/patient/prescribe/MergePrescription';
 import { PrescribeForm } from '../../../src/pages/patient/prescribe/PrescribeForm';
+import { valuesOf, type PrescribeValues } from '../../../src/pages/patient/prescribe/values';
 import { renderPage, type Answers } from '../render';
 
 afterEach(() => vi.unstubAllGlobals());
@@ -188,4 +190,36 @@ it('joins a changed prescription with a change made meanwhile, even when the lis
     sets: 2,
     question: 'Tired?',
   });
+});
+
+it('keeps the new limit of each, names everybody who changed it, and says what I deleted', async () => {
+  const limit = (value: number, hold_s: number, side: 'above' | 'below' = 'above') =>
+    ({ kind: 'limit', channel: MAIN, side, limit: value, hold_s }) as const;
+  const opened: Prescription = { ...prescription, stops: [limit(2, 0.05)] };
+  const stored: Prescription = {
+    ...opened,
+    number: 3,
+    stops: [limit(1.5, 0), limit(2, 0.05)],
+    changes: [
+      { changed_by: 'Tomas Lind', changed_at: AT, before: {} },
+      { changed_by: 'Ingrid Solberg', changed_at: '2026-11-19T10:00:00Z', before: {} },
+      { changed_by: 'Long Ago', changed_at: '2026-11-02T10:00:00Z', before: {} },
+    ],
+  };
+  const onTake = vi.fn();
+  renderPage(
+    <MergePrescription
+      base={opened}
+      newest={stored}
+      values={{ ...valuesOf(opened), stops: [limit(1, 2, 'below')] }}
+      templates={[]}
+      onTake={onTake}
+    />,
+    { answers: {} },
+  );
+  expect(screen.getByText(/^Ingrid Solberg and Tomas Lind changed this/)).toBeTruthy();
+  expect(screen.getByText(/86°, at once \(before: none\)/)).toBeTruthy();
+  expect(screen.getByText(/^You deleted: .*115°, beyond it for 0.05 s$/)).toBeTruthy();
+  await userEvent.click(screen.getByRole('button', { name: 'Continue with both changes' }));
+  expect((onTake.mock.calls[0]?.[0] as PrescribeValues).stops).toEqual([limit(1.5, 0), limit(1, 2, 'below')]);
 });

@@ -20,6 +20,13 @@ export const editing: Translated<typeof english> = {
   'meanwhile.choose': 'Wählen Sie zuerst jeweils eine.',
   'meanwhile.taken': 'Die Änderungen von beiden stehen jetzt hier. Prüfen Sie sie und speichern Sie dann.',
   'meanwhile.none': 'keine',
+  'meanwhile.held': '{limit}, länger als {hold} s',
+  'meanwhile.atOnce': '{limit}, sofort',
+  'meanwhile.removed': 'Von Ihnen gelöscht: {rule}: {value}',
+  'meanwhile.several': 'mehreren Personen',
+  'meanwhile.savedVersions':
+    'Version {first} bis {last} gespeichert, nachdem Sie diese geöffnet hatten: von {name} (zuletzt {when}).',
+  'meanwhile.severalChangedIt': '{name} haben dies geändert, nachdem Sie es geöffnet hatten (zuletzt {when}).',
   'meanwhile.bandOf': 'Band: {curve}',
   'meanwhile.band': '{phase}: {below} nach unten, {above} nach oben',
   'meanwhile.ofRecorded': '{percent} %',

@@ -1,13 +1,13 @@
 // A prescription that somebody changed while this dialog was open: joined with it, field by field.
 import { useMemo } from 'react';
-import type { Prescription, Template } from '../../../api/types';
+import type { Prescription, StopDesign, Template } from '../../../api/types';
 import { MergeCard, type MergeWords } from '../../../components/forms/MergeCard';
 import { t } from '../../../i18n';
 import { scheduleText } from '../../../lib/assessment/practice';
-import { channelLabel } from '../../../lib/channels';
-import { merge } from '../../../lib/editing/merge';
-import { date, number, quantity } from '../../../lib/format';
-import { unitOf } from '../../template/editor/words';
+import { stopFields, stopsOfFields } from '../../../lib/editing/designFields';
+import { merge, type Fields } from '../../../lib/editing/merge';
+import { date, number } from '../../../lib/format';
+import { namesOf, removedStops, stopName, stopText } from '../../template/editor/words';
 import { NO_TEMPLATE, valuesOf, type PrescribeValues } from './values';
 
 const LABELS: Partial<Record<keyof PrescribeValues, () => string>> = {
@@ -16,7 +16,6 @@ const LABELS: Partial<Record<keyof PrescribeValues, () => string>> = {
   sets: () => t('prescription.setsLabel'),
   schedule: () => t('meanwhile.schedule'),
   percent: () => t('prescription.tolerance'),
-  stops: () => t('prescription.stops'),
   question: () => t('prescription.question'),
   endsAt: () => t('prescription.until'),
 };
@@ -25,26 +24,27 @@ function scheduled({ days, times, perWeek }: PrescribeValues['schedule']): strin
   return days.length ? scheduleText({ days: days.map(Number), times }) : t('meanwhile.perWeek', { count: perWeek });
 }
 
-function limited(stops: PrescribeValues['stops']): string {
-  return stops
-    .map((one) => {
-      const curve = channelLabel(one.channel ?? '').text;
-      const name = t(one.side === 'below' ? 'meanwhile.limitbelow' : 'meanwhile.limitabove', { curve });
-      return `${name} ${quantity(one.limit ?? 0, unitOf(one.channel ?? ''))}`;
-    })
-    .join('; ');
+/** The limits are a field each: two people may each add one. */
+function fieldsOf({ stops, ...values }: PrescribeValues, opened: PrescribeValues['stops']): Fields {
+  return { ...values, ...stopFields(stops, opened) };
+}
+
+function valuesOfFields(fields: Fields): PrescribeValues {
+  const others = Object.entries(fields).filter(([name]) => !name.startsWith('stop:'));
+  return { ...(Object.fromEntries(others) as unknown as Omit<PrescribeValues, 'stops'>), stops: stopsOfFields(fields) };
 }
 
 function wordsOf(templates: readonly Template[]): MergeWords {
   return {
-    label: (field) => LABELS[field as keyof PrescribeValues]?.() ?? field,
+    label: (field) =>
+      field.startsWith('stop:') ? stopName(field) : (LABELS[field as keyof PrescribeValues]?.() ?? field),
     value: (field, value) => {
       if (field === 'templateId')
         return value === NO_TEMPLATE
           ? t('prescription.without')
           : (templates.find((one) => one.id === value)?.name ?? t('prescription.otherTemplate'));
       if (field === 'schedule') return scheduled(value as PrescribeValues['schedule']);
-      if (field === 'stops') return limited(value as PrescribeValues['stops']) || t('meanwhile.none');
+      if (field.startsWith('stop:')) return value ? stopText(value as StopDesign) : t('meanwhile.none');
       if (field === 'percent') return `${number(Number(value))} %`;
       if (field === 'endsAt') return value ? date(String(value)) : t('meanwhile.none');
       return String(value) || t('meanwhile.none');
@@ -67,20 +67,24 @@ export function MergePrescription({
   templates: readonly Template[];
   onTake: (merged: PrescribeValues) => void;
 }) {
-  const joined = useMemo(
-    () => merge({ ...valuesOf(base) }, { ...values }, { ...valuesOf(newest) }),
-    [base, newest, values],
-  );
-  const change = newest.changes?.[0];
-  const name = change?.changed_by ?? '';
+  const joined = useMemo(() => {
+    const opened = valuesOf(base);
+    const fields = (one: PrescribeValues) => fieldsOf(one, opened.stops);
+    return merge(fields(opened), fields(values), fields(valuesOf(newest)));
+  }, [base, newest, values]);
+  // The newest first; each change is one number more.
+  const changes = newest.changes?.slice(0, Math.max(1, (newest.number ?? 1) - (base.number ?? 1))) ?? [];
+  const people = new Set(changes.map((one) => one.changed_by).reverse());
+  const name = namesOf([...people]);
   return (
     <MergeCard
       merge={joined}
       words={wordsOf(templates)}
       name={name}
-      at={change?.changed_at ?? newest.starts_at}
-      saved={(when) => t('meanwhile.changedIt', { name, when })}
-      onTake={(merged) => onTake(merged as unknown as PrescribeValues)}
+      at={changes[0]?.changed_at ?? newest.starts_at}
+      saved={(when) => t(people.size > 1 ? 'meanwhile.severalChangedIt' : 'meanwhile.changedIt', { name, when })}
+      notes={removedStops(joined)}
+      onTake={(merged) => onTake(valuesOfFields(merged))}
     />
   );
 }

@@ -1,37 +1,16 @@
 // A version that somebody saved while this one was drawn on: joined with it, field by field.
 import { useMemo } from 'react';
-import { useTemplateVersion } from '../../../api/queries';
+import { useTemplates, useTemplateVersion } from '../../../api/queries';
 import type { CueDesign, KnotDesign, StopDesign, TemplateVersionDetail } from '../../../api/types';
 import { Answer } from '../../../components/Feedback';
 import { MergeCard, type MergeWords } from '../../../components/forms/MergeCard';
 import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
 import { bandsFor, designOf, draftOf, stretches, type Draft } from '../../../lib/assessment/design';
-import { designFields, designOfFields } from '../../../lib/editing/designFields';
+import { designFields, designOfFields, subjectOf } from '../../../lib/editing/designFields';
 import { merge } from '../../../lib/editing/merge';
 import { number, quantity } from '../../../lib/format';
-import { cueSays, cueWhen, phaseName, unitOf } from './words';
-
-const MINUTE_S = 60;
-/** What follows the first colon, without which of several alike it is. */
-const after = (name: string) => name.slice(name.indexOf(':') + 1).replace(/#\d+$/, '');
-
-function stopText(one: StopDesign): string {
-  const limit = one.limit ?? 0;
-  if (one.kind === 'limit') return quantity(limit, unitOf(one.channel ?? ''));
-  if (one.kind === 'time')
-    return t('meanwhile.minutes', { minutes: number(limit / MINUTE_S, limit % MINUTE_S ? 1 : 0) });
-  if (one.kind === 'lost' || one.kind === 'unsure') return quantity(one.hold_s, 's');
-  return number(limit);
-}
-
-function stopName(field: string): string {
-  const [kind = '', channel = '', side = ''] = after(field).split('|');
-  if (kind === 'limit')
-    return t(side === 'below' ? 'meanwhile.limitbelow' : 'meanwhile.limitabove', { curve: channelLabel(channel).text });
-  if (kind === 'lost' || kind === 'unsure') return t(`meanwhile.stop.${kind}`);
-  return t(`design.stop.${kind as 'valid_count' | 'attempt_count' | 'time' | 'wrong_in_a_row'}`);
-}
+import { cueSays, cueWhen, namesOf, phaseName, removedStops, stopName, stopText } from './words';
 
 function cueText(cue: CueDesign): string {
   const says = cue.is_on === false ? `${cueSays(cue)} (${t('meanwhile.off')})` : cueSays(cue);
@@ -79,7 +58,7 @@ function wordsOfFields(
     label: (field) => {
       const fixed = PACE[field];
       if (fixed) return fixed();
-      const name = after(field);
+      const name = subjectOf(field);
       if (field.startsWith('stop:')) return stopName(field);
       if (field.startsWith('cue:')) {
         const cue = cues.find((one) => `cue:${name}` in designFields({ cues: [one] }));
@@ -94,7 +73,7 @@ function wordsOfFields(
       if (field === 'phases') return phasesText(drafts[whose]);
       if (field.startsWith('watched:')) return t(value ? 'design.isWatched' : 'design.counts');
       if (field.startsWith('band:') && value === undefined) return t('design.isRecorded');
-      if (field.startsWith('band:')) return bandText(after(field), value as KnotDesign[], drafts[whose]);
+      if (field.startsWith('band:')) return bandText(subjectOf(field), value as KnotDesign[], drafts[whose]);
       if (value === undefined || value === null) return t('meanwhile.none');
       if (field.startsWith('stop:')) return stopText(value as StopDesign);
       if (field.startsWith('cue:')) return cueText(value as CueDesign);
@@ -125,6 +104,19 @@ export function MergeVersion({
   );
 }
 
+/** All versions that were saved since one was opened, the oldest first; null while they are not known. */
+function useVersionsBetween(base: TemplateVersionDetail, newest: TemplateVersionDetail) {
+  const isOnly = newest.number === base.number + 1;
+  const templates = useTemplates(newest.exercise_id, newest.patient_id, !isOnly, true);
+  if (isOnly) return [newest];
+  const versions = templates.data?.find((one) => one.id === newest.template_id)?.versions;
+  return (
+    versions
+      ?.filter((one) => one.number > base.number && one.number <= newest.number)
+      .sort((one, other) => one.number - other.number) ?? null
+  );
+}
+
 function Joined({
   base,
   draft,
@@ -141,18 +133,26 @@ function Joined({
     [base, draft, newest],
   );
   const joined = useMemo(() => {
-    const fields = (one: Draft) => designFields(designOf(one));
+    const opened = designOf(drafts.before);
+    const fields = (one: Draft) => designFields(designOf(one), opened);
     return merge(fields(drafts.before), fields(drafts.mine), fields(drafts.theirs));
   }, [drafts]);
+  const between = useVersionsBetween(base, newest);
+  const name = between ? namesOf(between.map((one) => one.made_by)) : t('meanwhile.several');
   return (
     <MergeCard
       merge={joined}
       words={wordsOfFields(drafts, newest.content.measures)}
-      name={newest.made_by}
+      name={name}
       at={newest.created_at}
-      saved={(when) => t('meanwhile.savedVersion', { name: newest.made_by, number: newest.number, when })}
+      saved={(when) =>
+        newest.number - base.number > 1
+          ? t('meanwhile.savedVersions', { name, first: base.number + 1, last: newest.number, when })
+          : t('meanwhile.savedVersion', { name, number: newest.number, when })
+      }
       notes={[
-        ...(newest.reason ? [t('meanwhile.reason', { reason: newest.reason })] : []),
+        ...(between ?? [newest]).flatMap(({ reason }) => (reason ? [t('meanwhile.reason', { reason })] : [])),
+        ...removedStops(joined),
         ...(newest.source_session_id === base.source_session_id ? [] : [t('meanwhile.recorded')]),
       ]}
       onTake={(fields) => onTake(newest, draftOf(designOfFields(fields, designOf(drafts.theirs))))}
