@@ -44,6 +44,7 @@ from app.recordings.answers.service import stored_answers
 from app.recordings.markers import file_pieces, markers_of
 from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.repository import results_of
+from app.recordings.signals.codecs import DamagedChunkError
 from app.recordings.signals.store import read_packets
 
 _MOST_EVENTS: Final = 100_000
@@ -206,8 +207,12 @@ def _write_session(
             _json(archive, f"{folder}/comparisons.json", [_plain(one) for one in details])
             sheet = measures_sheet(details, found.started_at, described.exercise_name or "")
             _sheet(archive, f"{folder}/measures", sheet, decimal_comma=decimal_comma)
-        if strides := _strides(session, subject, session_id):
-            _sheet(archive, f"{folder}/strides", strides_sheet(strides), decimal_comma=decimal_comma)
+        try:
+            if strides := _strides(session, subject, session_id):
+                _sheet(archive, f"{folder}/strides", strides_sheet(strides), decimal_comma=decimal_comma)
+        except DamagedChunkError as error:
+            # The rest is of use without them.
+            _json(archive, f"{folder}/strides-unreadable.json", {"reason": str(error.message)})
         said = session.scalars(
             select(SessionEvent)
             .where(SessionEvent.session_id == session_id, SessionEvent.kind.in_((EVENT, WITHDRAWN)))

@@ -44,7 +44,7 @@ _DEVICE: Final = frozenset(
         "placement",
         "position",
     }
-) | {"location", "limb", "segment", "side", "name", "devicename"}
+) | {"location", "limb", "segment", "side", "devicename"}
 _NO_DEVICE: Final = frozenset(
     {"trial", "rep", "repetition", "run", "set", "subject", "participant", "session"}
 ) | {
