@@ -109,6 +109,8 @@ export function UploadPage() {
   const take = (chosen: File) => {
     setFile(chosen);
     setAccepts(false);
+    // Shown only once a file was refused: what was chosen for the one before must not hold unseen.
+    setHemisphere('place');
     send.reset();
     look.reset();
     setMapping(null);

@@ -77,7 +77,7 @@ async function send(failed: Job) {
   const input = await fileInput(view.container);
   await user.upload(input, new File(['x'], 'walk.tmlog'));
   await user.click(screen.getByRole('button', { name: 'Upload' }));
-  return { user, declared, alert: await screen.findByRole('alert') };
+  return { user, declared, alert: await screen.findByRole('alert'), container: view.container };
 }
 
 const columns = ['t', ...['gyr', 'acc'].flatMap((one) => ['x', 'y', 'z'].map((axis) => `${one}_${axis}`))];
@@ -229,7 +229,7 @@ describe('a table', () => {
 
 describe('upload', () => {
   it('offers to estimate implausible readings only after the service has said what is wrong', async () => {
-    const { user, declared, alert } = await send(
+    const { user, declared, alert, container } = await send(
       job({ is_implausible: true, message: 'forearm_right: the axes do not fit.' }),
     );
     expect(within(alert).getByText(/axes do not fit/)).toBeTruthy();
@@ -239,6 +239,10 @@ describe('upload', () => {
     await user.click(await screen.findByRole('option', { name: 'South of the equator' }));
     await user.click(screen.getByRole('button', { name: 'Upload again' }));
     expect(declared[1]).toMatchObject({ accept_implausible: true, hemisphere: 'south', patient_id: 'p' });
+    // Of the next file nobody has said it.
+    await user.upload(await fileInput(container), new File(['x'], 'another.tmlog'));
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[2]).toMatchObject({ accept_implausible: false, hemisphere: null });
   });
 
   it('lets a file that could not be read be sent again, with nothing to accept', async () => {
