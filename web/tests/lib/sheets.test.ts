@@ -81,3 +81,40 @@ it('leaves out what is not printed', () => {
   const sheets = laidOut('<button class="no-print">Write</button><section><p>x</p><i class="no-print">y</i></section>');
   expect(sheets[0]?.querySelector('button')).toBeNull();
 });
+
+it('leaves no heading behind when columns side by side begin overleaf', () => {
+  const column = '<div class="paper-end"><figure></figure><figure></figure></div>';
+  const sheets = laidOut(
+    `<p>${words(190)}</p><section><h3>Ends</h3><div class="paper-ends">${column}${column}</div></section>`,
+  );
+  expect(found(sheets, 'h3')).toEqual([[], ['Ends']]);
+  expect(found(sheets, '.paper-ends').map((one) => one.length)).toEqual([0, 1]);
+  expect(found(sheets, 'figure').map((one) => one.length)).toEqual([0, 4]);
+});
+
+it('makes no sheet of a heading alone', () => {
+  const column = `<div><div>${'<figure></figure>'.repeat(3)}</div></div>`;
+  const papers = document.createElement('div');
+  papers.innerHTML = `<section class="paper">${HEAD}<h3>Ends</h3><div class="paper-ends">${column}</div>${FOOT}</section>`;
+  const into = document.createElement('div');
+  layOut(papers.children, into, HEIGHT);
+  expect(found([...into.children], 'h3')).toEqual([['Ends']]);
+});
+
+it('drops no words that stand beside elements, and no picture', () => {
+  const sheets = laidOut(
+    `<p>${words(200)}</p><div>Not measured: <span>${words(5)}</span><figure></figure></div>`,
+    `<p>${words(200)}</p><div class="plot"><div><figure></figure></div><figure></figure></div>`,
+    `<div>${words(600)}</div>`,
+  );
+  expect(sheets.map((one) => one.textContent).join('')).toContain('Not measured: w0 w1');
+  expect(found(sheets, 'figure').flat()).toHaveLength(3);
+  expect(sheets.map((one) => one.textContent).join('')).toContain('w599');
+});
+
+it('gives copies no identifiers but those that pictures draw with', () => {
+  const [sheet] = laidOut(
+    '<h3 id="title">Curve</h3><svg><clipPath id="cut"></clipPath><path id="p" clip-path="url(#cut)"></path></svg>',
+  );
+  expect([...sheet!.querySelectorAll('[id]')].map((one) => one.id)).toEqual(['cut']);
+});

@@ -7,11 +7,22 @@ function* mediaRules(rules: CSSRuleList): Generator<CSSMediaRule> {
   }
 }
 
+/** A style sheet of elsewhere, as an extension of the browser adds one, shows its rules to nobody. */
+function rulesOf(sheet: CSSStyleSheet): CSSRuleList | null {
+  try {
+    return sheet.cssRules;
+  } catch {
+    return null;
+  }
+}
+
 /** Do something while the page has the styles of print; only what is done at once. */
 export function withPrintStyles<T>(work: () => T): T {
   const before: [MediaList, string][] = [];
   for (const sheet of document.styleSheets) {
-    for (const { media } of mediaRules(sheet.cssRules)) {
+    const rules = rulesOf(sheet);
+    if (!rules) continue;
+    for (const { media } of mediaRules(rules)) {
       const words = media.mediaText;
       const now = /\bprint\b/.test(words) ? 'all' : /\bscreen\b/.test(words) ? 'not all' : words;
       if (now === words) continue;

@@ -4,12 +4,24 @@
 const HEADS = new Set(['CAPTION', 'COLGROUP', 'THEAD']);
 const DIVISIBLE = new Set(['TABLE', 'TBODY', 'UL', 'OL', 'DL', 'SECTION', 'DIV']);
 const WHOLE = '.paper-facts, .paper-headline, .paper-method > div, .paper-legend';
+/** Content without words. */
+const PICTURES = 'svg, img, canvas, figure';
 const FEWEST_WORDS = 12;
 
 const isHeading = (one: Element | null): one is Element => one !== null && /^H[2-4]$/.test(one.tagName);
+const isText = (one: Node): boolean => one.nodeType === Node.TEXT_NODE && one.textContent?.trim() !== '';
+const isPicture = (one: Element): boolean => one.matches(PICTURES) || one.querySelector(PICTURES) !== null;
 /** Holds nothing but what heads it. */
 const isBare = (one: Element): boolean =>
-  one.textContent.trim() === '' || [...one.children].every((child) => HEADS.has(child.tagName));
+  ![...one.childNodes].some(isText) &&
+  [...one.children].every(
+    (child) => HEADS.has(child.tagName) || (child.textContent.trim() === '' && !isPicture(child)),
+  );
+/** Whether all that it holds is in parts that can be placed one by one. */
+const isDivisible = (one: Element): boolean =>
+  DIVISIBLE.has(one.tagName) && !one.matches(WHOLE) && ![...one.childNodes].some(isText);
+const isPlainText = (one: Element): boolean =>
+  (one.tagName === 'P' || one.tagName === 'DIV') && one.childElementCount === 0 && [...one.childNodes].some(isText);
 
 function shallow(source: Element): Element {
   const made = source.cloneNode(false) as Element;
@@ -46,7 +58,6 @@ class Filler {
     const head = this.#paper.querySelector(':scope > .paper-head')?.cloneNode(true);
     this.#foot = (this.#paper.querySelector(':scope > .paper-foot')?.cloneNode(true) as Element | undefined) ?? null;
     this.#sheet.append(...[head, this.#foot].filter((one) => one !== undefined && one !== null));
-    this.#sheet.querySelector('h2')?.removeAttribute('id');
     this.#into.append(this.#sheet);
     this.#hasContent = false;
   }
@@ -64,7 +75,8 @@ class Filler {
   #tries(one: Element): boolean {
     this.#append(one);
     if (this.#fits()) {
-      this.#hasContent = true;
+      // A heading goes overleaf with what it heads: it alone makes no sheet.
+      this.#hasContent ||= !isHeading(one);
       return true;
     }
     one.remove();
@@ -74,8 +86,8 @@ class Filler {
   #place(source: Element): void {
     if (source.matches('.no-print') || this.#tries(source.cloneNode(true) as Element)) return;
     if (source.matches('.paper-ends')) this.#columns(source);
-    else if (source.tagName === 'P' && source.childElementCount === 0) this.#words(source);
-    else if (DIVISIBLE.has(source.tagName) && !source.matches(WHOLE)) this.#divide(source);
+    else if (isPlainText(source)) this.#words(source);
+    else if (isDivisible(source)) this.#divide(source);
     else this.#overleaf(source);
   }
 
@@ -155,8 +167,9 @@ class Filler {
   /** Columns side by side go on overleaf together. */
   #columns(source: Element): void {
     let columns: Element[] = [];
+    let part: Element;
     const begin = () => {
-      const part = shallow(source);
+      part = shallow(source);
       columns = [...source.children].map(shallow);
       part.append(...columns);
       this.#append(part);
@@ -175,6 +188,7 @@ class Filler {
         for (const one of placed) one.remove();
         const headings = columns.map((one) => (isHeading(one.lastElementChild) ? one.lastElementChild : null));
         for (const one of headings) one?.remove();
+        if (columns.every(isBare)) part!.remove();
         this.#turn();
         begin();
         headings.forEach((one, index) => one && columns[index]?.append(one));
@@ -185,6 +199,12 @@ class Filler {
   }
 }
 
+/** A copy has no identifiers of its own, but for what its pictures draw with: labels refer to the original. */
+function stripIds(into: Element): void {
+  const drawn = new Set([...into.innerHTML.matchAll(/url\((?:&quot;|["'])?#([^)"'&]+)/g)].map(([, id]) => id));
+  for (const one of into.querySelectorAll('[id]')) if (!drawn.has(one.id)) one.removeAttribute('id');
+}
+
 /**
  * Lay papers out on sheets; returns how many there are.
  *
@@ -193,6 +213,7 @@ class Filler {
 export function layOut(papers: Iterable<Element>, into: Element, heightPx: number): number {
   into.replaceChildren();
   for (const paper of papers) new Filler(paper, into, heightPx).fill();
+  stripIds(into);
   [...into.children].forEach((sheet, index) => {
     for (const one of sheet.querySelectorAll<HTMLElement>('.paper-number'))
       one.textContent = (one.dataset.words ?? '').replace('#', String(index + 1));

@@ -29,6 +29,23 @@ function prepare(papers: HTMLElement, printed: HTMLElement): void {
   else document.documentElement.classList.add('has-sheets');
 }
 
+const NO_PRINT = '.no-print';
+const isUnprinted = (node: Node): boolean =>
+  (node instanceof Element ? node : node.parentElement)?.closest(NO_PRINT) != null;
+
+/** Whether something that is printed has changed. */
+function changesPaper({ target, addedNodes, removedNodes }: MutationRecord): boolean {
+  if (isUnprinted(target)) return false;
+  const moved = [...addedNodes, ...removedNodes];
+  return moved.length === 0 || moved.some((one) => !(one instanceof Element && one.matches(NO_PRINT)));
+}
+
+/** Whether somebody types here: to lay out all sheets takes longer than a key. */
+function isTypedIn(papers: HTMLElement): boolean {
+  const active = document.activeElement;
+  return papers.contains(active) && (active?.matches('input, textarea, select, [contenteditable]') ?? false);
+}
+
 export function Papers({ children }: { children: ReactNode }) {
   const own = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -36,7 +53,6 @@ export function Papers({ children }: { children: ReactNode }) {
     if (!papers) return;
     const printed = document.createElement('div');
     printed.className = 'papers-printed';
-    printed.setAttribute('aria-hidden', 'true');
     let timer: ReturnType<typeof setTimeout> | undefined;
     const now = () => {
       clearTimeout(timer);
@@ -44,15 +60,18 @@ export function Papers({ children }: { children: ReactNode }) {
     };
     const soon = () => {
       clearTimeout(timer);
-      timer = setTimeout(now, QUIET_MS);
+      timer = setTimeout(() => !isTypedIn(papers) && now(), QUIET_MS);
     };
-    const watch = new MutationObserver(soon);
+    const watch = new MutationObserver((changes) => changes.some(changesPaper) && soon());
     watch.observe(papers, { childList: true, subtree: true, characterData: true });
+    // What was left out while somebody typed.
+    papers.addEventListener('focusout', soon);
     addEventListener('beforeprint', now);
     soon();
     return () => {
       clearTimeout(timer);
       watch.disconnect();
+      papers.removeEventListener('focusout', soon);
       removeEventListener('beforeprint', now);
       printed.remove();
       document.documentElement.classList.remove('has-sheets');
