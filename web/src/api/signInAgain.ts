@@ -1,28 +1,44 @@
 // A sign-in that ended while somebody works: asked for over the page, which stays as it is, and then the request goes on.
 import { hasUnsaved } from '../lib/editing/unsaved';
 
-type Show = (done: (isSame: boolean) => void) => void;
+type Settle = (isSame: boolean) => void;
+type Show = (done: Settle) => void;
 
 let show: Show | null = null;
 let pending: Promise<boolean> | null = null;
+let settle: Settle | null = null;
+
+/** Requests that wait for a sign-in are refused: nobody is there to answer any more. */
+export function giveUpSignIn(): void {
+  settle?.(false);
+}
 
 /** Where the question is shown; returns how to end that. */
 export function showSignInAgain(how: Show): () => void {
   show = how;
   return () => {
-    if (show === how) show = null;
+    if (show !== how) return;
+    show = null;
+    giveUpSignIn();
   };
 }
 
 /**
- * Whether the same account has signed in again. Asked once for all requests that wait. A question of the page itself asks only
- * while something is not saved: otherwise the page of the sign-in comes.
+ * Whether the same account has signed in again. Asked once for all requests that wait, whoever began them: the page must not go
+ * away below the question. What a page asks for by itself raises the question only while something is not saved: otherwise the
+ * page of the sign-in comes.
  */
 export function signInAgain(isChange: boolean): Promise<boolean> {
+  if (pending) return pending;
   const ask = show;
   if (!ask || !(isChange || hasUnsaved())) return Promise.resolve(false);
-  pending ??= new Promise<boolean>(ask).finally(() => {
-    pending = null;
+  pending = new Promise<boolean>((resolve) => {
+    settle = (isSame) => {
+      pending = null;
+      settle = null;
+      resolve(isSame);
+    };
+    ask(settle);
   });
   return pending;
 }

@@ -13,7 +13,7 @@ import {
 } from 'react';
 import { Link, Navigate, NavLink, Outlet, useLocation } from 'react-router';
 import { useMe } from '../api/queries';
-import { showSignInAgain } from '../api/signInAgain';
+import { giveUpSignIn, showSignInAgain } from '../api/signInAgain';
 import { t } from '../i18n';
 import { hasUnsaved } from '../lib/editing/unsaved';
 import { Problem, Waiting } from './Feedback';
@@ -88,6 +88,12 @@ export function Shell() {
   const [again, setAgain] = useState<((isSame: boolean) => void) | null>(null);
   const [asksSignOut, setAsksSignOut] = useState(false);
   useEffect(() => showSignInAgain((done) => setAgain(() => done)), []);
+  const isNobody = me.data === null;
+  useEffect(() => {
+    if (!isNobody) return;
+    giveUpSignIn();
+    setAgain(null);
+  }, [isNobody]);
   const signOut = () => (hasUnsaved() ? setAsksSignOut(true) : signOutNow());
 
   // A new page: start at its top, and let a screen reader start there too.

@@ -5,7 +5,7 @@ import { act, fireEvent, render, screen, waitFor } from '@testing-library/react'
 import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { setCsrfToken } from '../../../src/api/client';
+import { api, setCsrfToken } from '../../../src/api/client';
 import { forgetEverything, keys } from '../../../src/api/queries';
 import { Shell } from '../../../src/components/Shell';
 import { pruneDrafts, readDraft, writeDraft } from '../../../src/lib/editing/drafts';
@@ -153,7 +153,7 @@ async function endedOver(account: string) {
     ],
     { initialEntries: ['/patients/new'] },
   );
-  render(
+  const view = render(
     <MantineProvider env="test">
       <QueryClientProvider client={client}>
         <RouterProvider router={router} />
@@ -164,7 +164,7 @@ async function endedOver(account: string) {
   fireEvent.click(screen.getByRole('button', { name: 'Save' }));
   const dialog = await screen.findByRole('dialog', { name: 'Sign in again' });
   expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name', hidden: true }).value).toBe('Berg');
-  return { asked, dialog, router };
+  return { asked, client, dialog, router, view };
 }
 
 it('signs in over a form, which stays, and goes on with the save', async () => {
@@ -194,4 +194,39 @@ it('leads to the page of the sign-in when somebody leaves the form there', async
   const { router } = await endedOver(THERAPIST.account_id);
   await userEvent.click(screen.getByRole('button', { name: 'Leave the page' }));
   await waitFor(() => expect(router.state.location.pathname).toBe('/sign-in'));
+});
+
+const refusedOf = (asking: Promise<unknown>) =>
+  asking.then(
+    () => 'answered',
+    (error: { status: number }) => error.status,
+  );
+
+it('refuses what waits for a sign-in when the frame goes or nobody is signed in, and asks again the next time', async () => {
+  const first = await endedOver(THERAPIST.account_id);
+  const waiting = refusedOf(api.get('/api/caseload'));
+  act(() => void first.client.setQueryData(keys.me, null));
+  expect(await waiting).toBe(401);
+  await waitFor(() => expect(first.router.state.location.pathname).toBe('/sign-in'));
+  expect(await refusedOf(api.get('/api/caseload'))).toBe(401);
+  first.view.unmount();
+
+  const second = await endedOver(THERAPIST.account_id);
+  const other = refusedOf(api.get('/api/caseload'));
+  second.view.unmount();
+  expect(await other).toBe(401);
+  expect(await refusedOf(api.get('/api/caseload'))).toBe(401);
+});
+
+it('leaves the question open when the page asks for something by itself, though nothing is unsaved any more', async () => {
+  await endedOver(THERAPIST.account_id);
+  act(() => releaseAll());
+  const poll = api.get('/api/caseload');
+  let isSettled = false;
+  poll.finally(() => (isSettled = true)).catch(() => undefined);
+  await new Promise((done) => setTimeout(done, 30));
+  expect(isSettled, 'it waits as well').toBe(false);
+  fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'mine' } });
+  await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
+  expect(await poll).toBeTruthy();
 });
