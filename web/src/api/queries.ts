@@ -144,19 +144,28 @@ function useAll<T>(queryKey: readonly unknown[], path: string, options: { enable
   return useQuery({ queryKey, queryFn: ({ signal }) => api.all<T>(path, signal), ...options });
 }
 
+/** What a form does once its content is stored (`release` of `useUnsaved`). */
+type Stored = () => void;
+
 /** A change, and the keys that it makes old. */
 function useChange<In, Out>(
   change: (input: In) => Promise<Out>,
   old: (input: In, output: Out) => readonly (readonly unknown[])[],
   /** Keys that are old when the service refuses: somebody else changed them meanwhile. */
   refused: readonly (readonly unknown[])[] = [],
+  /** Called as soon as the service has stored it: what became old is read anew after that, which may take long. */
+  stored?: Stored,
 ) {
   const client = useQueryClient();
   return useMutation<Out, Error, In>({
     mutationFn: change,
     onError: () => Promise.all(refused.map((queryKey) => client.invalidateQueries({ queryKey }))).then(() => undefined),
-    onSuccess: (output, input) =>
-      Promise.all(old(input, output).map((queryKey) => client.invalidateQueries({ queryKey }))).then(() => undefined),
+    onSuccess: (output, input) => {
+      stored?.();
+      return Promise.all(old(input, output).map((queryKey) => client.invalidateQueries({ queryKey }))).then(
+        () => undefined,
+      );
+    },
   });
 }
 
@@ -200,10 +209,12 @@ export const useMarkSeen = (id: string) =>
   );
 /** Version of the software that answers. */
 export const useVersion = () => useGet<{ version: string }>(keys.version, '/api/health');
-export const useWriteCourseNote = (id: string) =>
+export const useWriteCourseNote = (id: string, stored?: Stored) =>
   useChange(
     (input: Wire.CourseNoteIn) => api.post<Wire.CourseNote>(`/api/patients/${id}/course-notes`, input),
     () => [['patients', id, 'course']],
+    [],
+    stored,
   );
 export const usePatientSessions = (id: string, enabled = true) =>
   usePages<Wire.Session>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });
@@ -300,15 +311,19 @@ export function useJob(id: string | null, onEnd?: (job: Wire.Job) => void) {
   });
 }
 
-export const useAddPatient = () =>
+export const useAddPatient = (stored?: Stored) =>
   useChange(
     (input: Wire.PatientIn) => api.post<Wire.Patient>('/api/patients', input),
     () => [keys.patients, keys.caseload],
+    [],
+    stored,
   );
-export const useEditPatient = (id: string) =>
+export const useEditPatient = (id: string, stored?: Stored) =>
   useChange(
     (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
     () => [keys.patient(id), keys.caseload, keys.archived],
+    [],
+    stored,
   );
 export const useErasePatient = () =>
   useChange(
@@ -356,18 +371,21 @@ export const useRemoveSecondFactor = () =>
     (input: { password: string }) => api.post<void>('/api/me/second-factor/remove', input),
     () => [keys.secondFactor, keys.me],
   );
-export const usePrescribe = (id: string) =>
+export const usePrescribe = (id: string, stored?: Stored) =>
   useChange(
     (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
     () => [keys.prescriptions(id), keys.caseload],
+    [],
+    stored,
   );
 /** Change what is prescribed; what it was stays in its history. */
-export const useChangePrescription = (id: string) =>
+export const useChangePrescription = (id: string, stored?: Stored) =>
   useChange(
     ({ prescriptionId, ...input }: Wire.PrescriptionChangeIn & { prescriptionId: string }) =>
       api.patch<Wire.Prescription>(`/api/prescriptions/${prescriptionId}`, input),
     () => [keys.prescriptions(id), keys.caseload],
     [keys.prescriptions(id)],
+    stored,
   );
 export const useEndPrescription = (id: string) =>
   useChange(
@@ -414,10 +432,12 @@ export const useChangeExercise = (id: string) =>
     (input: Wire.ExerciseChange) => api.patch<Wire.Exercise>(`/api/exercises/${id}`, input),
     () => [keys.exercises],
   );
-export const useNewSession = () =>
+export const useNewSession = (stored?: Stored) =>
   useChange(
     (input: Wire.SessionIn) => api.post<Wire.SessionDetail>('/api/sessions', input),
     (input) => [keys.patientSessions(input.patient_id), keys.caseload],
+    [],
+    stored,
   );
 export const useDeleteSession = () =>
   useChange(
@@ -456,11 +476,13 @@ export const useSaveTemplate = () =>
     () => [['templates']],
   );
 /** What was drawn on a template, as its next version. */
-export const useDrawVersion = (templateId: string) =>
+export const useDrawVersion = (templateId: string, stored?: Stored) =>
   useChange(
     (input: Wire.TemplateVersionIn) =>
       api.post<Wire.TemplateVersionDetail>(`/api/templates/${templateId}/versions`, input),
     () => [['templates']],
+    [],
+    stored,
   );
 /** Rename, tag, retire or restore a template. */
 export const useChangeTemplate = (id: string) =>

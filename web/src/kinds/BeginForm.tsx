@@ -15,7 +15,7 @@ interface Props extends BeginProps {
   children: ReactNode;
   /** What this kind declares, over what all declare; null while something is lacking. */
   declared: Omit<SessionIn, 'patient_id' | 'pipeline'> | null;
-  /** Opens the session, where that takes more than declaring it. */
+  /** Opens the session, where that takes more than declaring it; then it also releases what is unsaved. */
   create?: ReturnType<typeof useNewSession>;
   /** Shown above the buttons. */
   note?: ReactNode;
@@ -25,19 +25,14 @@ interface Props extends BeginProps {
 
 export function BeginForm(props: Props) {
   const navigate = useNavigate();
-  const plain = useNewSession();
+  const plain = useNewSession(props.unsaved?.release);
   const { patient, pipeline, declared, create = plain, unsaved } = props;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!declared) return;
     create.mutate(
       { patient_id: patient.id, pipeline, ...declared },
-      {
-        onSuccess: ({ id }) => {
-          unsaved?.release();
-          void navigate(`/sessions/${id}/live`);
-        },
-      },
+      { onSuccess: ({ id }) => void navigate(`/sessions/${id}/live`) },
     );
   };
   return (

@@ -90,5 +90,5 @@ export function renderPage(element: ReactElement, options: { at?: string; path?:
       </QueryClientProvider>
     </MantineProvider>,
   );
-  return { ...view, asked, router };
+  return { ...view, asked, client, router };
 }

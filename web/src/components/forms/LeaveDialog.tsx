@@ -8,19 +8,22 @@ export default function LeaveDialog({
   onDiscard,
 }: {
   onStay: () => void;
-  onLeave: () => void;
+  /** Absent while an older draft is offered, which what was typed now must not replace. */
+  onLeave?: () => void;
   onDiscard: () => void;
 }) {
   return (
     <Modal opened onClose={onStay} title={t('unsaved.title')} closeButtonProps={{ 'aria-label': t('action.close') }}>
-      <p>{t('unsaved.text')}</p>
+      <p>{t(onLeave ? 'unsaved.text' : 'unsaved.textOffered')}</p>
       <Group justify="flex-end" mt="lg">
         <Button variant="subtle" color="red.8" onClick={onDiscard}>
           {t('unsaved.discardAndLeave')}
         </Button>
-        <Button variant="default" onClick={onLeave}>
-          {t('unsaved.leave')}
-        </Button>
+        {onLeave && (
+          <Button variant="default" onClick={onLeave}>
+            {t('unsaved.leave')}
+          </Button>
+        )}
         <Button onClick={onStay} data-autofocus>
           {t('unsaved.stay')}
         </Button>

@@ -2,7 +2,8 @@ import { Button, Checkbox, Group, SimpleGrid, Textarea, TextInput } from '@manti
 import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { ApiError } from '../../api/client';
-import type { BodyDimensions, Patient, PatientIn, Side } from '../../api/types';
+import { useAddPatient, useEditPatient } from '../../api/queries';
+import type { BodyDimensions, Patient, PatientIn, PatientPatch, Side } from '../../api/types';
 import { t } from '../../i18n';
 import { bodyLength } from '../../lib/format';
 import { isSame } from '../../lib/editing/merge';
@@ -27,10 +28,7 @@ const RANGES_CM: Record<Length, readonly [number, number]> = {
 
 export interface PatientFormProps {
   patient?: Patient;
-  isSaving: boolean;
-  error: unknown;
-  /** `saved` is called before the form is left: what was typed is then no longer held on this device. */
-  onSave: (input: PatientIn, saved: () => void) => void;
+  onSaved: (patient: Patient) => void;
   onCancel: () => void;
 }
 
@@ -61,8 +59,52 @@ function textsOf(patient: Patient | undefined): Texts {
   };
 }
 
+/** What somebody typed, on top of what stands now: fields that were not touched are not brought back. */
+function typedOver(now: Texts, typed: Texts, before: Texts): Texts {
+  const over = <T extends object>(at: T, mine: T, old: T): T => {
+    const touched = Object.entries(mine).filter(([name, value]) => !isSame(value, old[name as keyof T]));
+    return { ...at, ...Object.fromEntries(touched) };
+  };
+  return { ...over(now, typed, before), lengths: over(now.lengths, typed.lengths, before.lengths) };
+}
+
+/** All that the form says, as the service takes it; lengths that were not touched are those of the patient. */
+function inputOf(texts: Texts, start: Texts, patient: Patient | undefined): PatientIn {
+  const body: BodyDimensions = {};
+  for (const name of LENGTHS) {
+    const cm = readLengthCm(texts.lengths[name]);
+    const isTouched = texts.lengths[name] !== start.lengths[name];
+    body[name] = isTouched ? (cm === null ? null : cm / 100) : (patient?.body_dimensions?.[name] ?? null);
+  }
+  return {
+    given_name: texts.given.trim(),
+    family_name: texts.family.trim(),
+    birth_date: texts.birth || null,
+    affected_side: texts.side || null,
+    notes: texts.notes,
+    body_dimensions: body,
+  };
+}
+
+const FIELDS = {
+  given_name: 'given',
+  family_name: 'family',
+  birth_date: 'birth',
+  affected_side: 'side',
+  notes: 'notes',
+  body_dimensions: 'lengths',
+} as const satisfies Record<keyof PatientIn & keyof PatientPatch, keyof Texts>;
+
+/** Only what was changed: the rest may be newer by now than it was when the form was opened. */
+function changesOf(input: PatientIn, texts: Texts, start: Texts): PatientPatch {
+  const names = Object.keys(FIELDS) as (keyof typeof FIELDS)[];
+  return Object.fromEntries(
+    names.filter((name) => !isSame(texts[FIELDS[name]], start[FIELDS[name]])).map((name) => [name, input[name]]),
+  );
+}
+
 /** A new patient or a change: names, side, and lengths in cm as a tape shows them; of a new one also the consent to treatment. */
-export function PatientForm({ patient, isSaving, error, onSave, onCancel }: PatientFormProps) {
+export function PatientForm({ patient, onSaved, onCancel }: PatientFormProps) {
   const [start] = useState(() => textsOf(patient));
   const [texts, setTexts] = useState(start);
   const set = (some: Partial<Texts>) => setTexts((now) => ({ ...now, ...some }));
@@ -71,10 +113,14 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
   // The consent is no part of it: it is said anew.
   const { guard, release } = useUnsaved({
     object: `patient:${patient?.id ?? 'new'}`,
-    value: texts,
+    // With what it was typed over: a colleague may have changed other fields meanwhile.
+    value: { texts, start },
     isChanged: !isSame(texts, start),
-    onRestore: setTexts,
+    onRestore: (stored) => setTexts(typedOver(start, stored.texts, stored.start)),
   });
+  const add = useAddPatient(release);
+  const edit = useEditPatient(patient?.id ?? '', release);
+  const error = add.error ?? edit.error;
   const outOfRange = (name: Length) => {
     const value = readLengthCm(lengths[name]);
     const [low, high] = RANGES_CM[name];
@@ -93,21 +139,9 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
     event.preventDefault();
     setTried(true);
     if (LENGTHS.some(outOfRange) || !isDateOrEmpty(birth) || birthProblem || !hasName) return;
-    const body: BodyDimensions = {};
-    for (const name of LENGTHS) {
-      const cm = readLengthCm(lengths[name]);
-      body[name] = cm === null ? null : cm / 100;
-    }
-    const input: PatientIn = {
-      given_name: given.trim(),
-      family_name: family.trim(),
-      birth_date: birth || null,
-      affected_side: side || null,
-      notes,
-      body_dimensions: body,
-      ...(patient ? {} : { agrees_to_treatment: agrees, is_another_person: isAnother }),
-    };
-    onSave(input, release);
+    const input = inputOf(texts, start, patient);
+    if (patient) edit.mutate(changesOf(input, texts, start), { onSuccess: onSaved });
+    else add.mutate({ ...input, agrees_to_treatment: agrees, is_another_person: isAnother }, { onSuccess: onSaved });
   };
   return (
     <form className="stack" onSubmit={submit}>
@@ -197,7 +231,7 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         >
           {t('action.cancel')}
         </Button>
-        <Button type="submit" loading={isSaving}>
+        <Button type="submit" loading={add.isPending || edit.isPending}>
           {t('action.save')}
         </Button>
       </Group>

@@ -34,30 +34,36 @@ export function useUnsaved<T>({
 }): Unsaved {
   const { account_id: account } = useSignedIn();
   const [offered, setOffered] = useState(() => readDraft<T>(account, object));
+  // While the offer stands, what is stored is not this form's: it is neither written over nor removed.
+  const isDecided = useRef(offered === null);
+  const decide = () => {
+    isDecided.current = true;
+    setOffered(null);
+  };
   const form = useRef<Held>({ isReleased: false });
   const latest = useRef({ value, isChanged });
   latest.current = { value, isChanged };
   const written = JSON.stringify(value);
 
+  const write = useCallback(() => {
+    // Released while it waited: saved, or no longer this person's.
+    if (!latest.current.isChanged || form.current.isReleased || !isDecided.current) return;
+    writeDraft(account, object, latest.current.value);
+  }, [account, object]);
+
   // Before the form is let go below: an unmounted form writes what it held.
   useEffect(() => {
-    const write = () => {
-      if (latest.current.isChanged && !form.current.isReleased) writeDraft(account, object, latest.current.value);
-    };
     window.addEventListener('pagehide', write);
     return () => {
       window.removeEventListener('pagehide', write);
       write();
     };
-  }, [account, object]);
+  }, [write]);
   useEffect(() => {
     if (!isChanged) return;
-    const timer = setTimeout(() => {
-      // Released while it waited: saved, or no longer this person's.
-      if (!form.current.isReleased) writeDraft(account, object, latest.current.value);
-    }, WRITTEN_AFTER_MS);
+    const timer = setTimeout(write, WRITTEN_AFTER_MS);
     return () => clearTimeout(timer);
-  }, [account, object, isChanged, written]);
+  }, [write, isChanged, written, offered]);
   useEffect(() => {
     if (!isChanged) return;
     const letGo = hold(form.current);
@@ -69,13 +75,13 @@ export function useUnsaved<T>({
       letGo();
       window.removeEventListener('beforeunload', ask);
       // Undone by hand: there is nothing to offer any more.
-      if (!latest.current.isChanged) removeDraft(account, object);
+      if (!latest.current.isChanged && isDecided.current) removeDraft(account, object);
     };
   }, [account, object, isChanged]);
 
   const release = useCallback(() => {
     form.current.isReleased = true;
-    removeDraft(account, object);
+    if (isDecided.current) removeDraft(account, object);
     setOffered(null);
   }, [account, object]);
   const blocker = useBlocker(
@@ -100,7 +106,7 @@ export function useUnsaved<T>({
               size="sm"
               onClick={() => {
                 onRestore(offered.value);
-                setOffered(null);
+                decide();
               }}
             >
               {t('unsaved.restore')}
@@ -109,8 +115,8 @@ export function useUnsaved<T>({
               size="sm"
               variant="default"
               onClick={() => {
-                if (!isChanged) removeDraft(account, object);
-                setOffered(null);
+                removeDraft(account, object);
+                decide();
               }}
             >
               {t('unsaved.discard')}
@@ -122,7 +128,7 @@ export function useUnsaved<T>({
         <Suspense fallback={null}>
           <LeaveDialog
             onStay={() => blocker.reset()}
-            onLeave={() => blocker.proceed()}
+            onLeave={offered ? undefined : () => blocker.proceed()}
             onDiscard={() => {
               release();
               blocker.proceed();

@@ -3,7 +3,7 @@ import { Button, Modal } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconPencil, IconPlayerRecord, IconUpload } from '@tabler/icons-react';
 import { Link, useParams } from 'react-router';
-import { useEditPatient, usePatient } from '../../api/queries';
+import { usePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
 import { Consents } from '../../components/account/Consents';
 import { Answer } from '../../components/Feedback';
@@ -84,7 +84,6 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
 
 function Loaded({ patient }: { patient: Patient }) {
   const [isEditing, editing] = useDisclosure(false);
-  const edit = useEditPatient(patient.id);
   return (
     <>
       <WorryPanel patient={patient} />
@@ -108,20 +107,7 @@ function Loaded({ patient }: { patient: Patient }) {
         title={t('patient.editTitle')}
         closeButtonProps={{ 'aria-label': t('action.close') }}
       >
-        <PatientForm
-          patient={patient}
-          isSaving={edit.isPending}
-          error={edit.error}
-          onCancel={editing.close}
-          onSave={(input, saved) =>
-            edit.mutate(input, {
-              onSuccess: () => {
-                saved();
-                editing.close();
-              },
-            })
-          }
-        />
+        <PatientForm patient={patient} onCancel={editing.close} onSaved={editing.close} />
       </Modal>
     </>
   );

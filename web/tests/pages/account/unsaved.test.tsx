@@ -1,12 +1,14 @@
 // What is typed and not saved: asked for before leaving, offered on coming back, gone after saving and signing out.
 import { MantineProvider } from '@mantine/core';
-import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
+import { QueryClient, QueryClientProvider, QueryObserver } from '@tanstack/react-query';
 import { act, fireEvent, render, screen, waitFor } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { api, setCsrfToken } from '../../../src/api/client';
 import { forgetEverything, keys } from '../../../src/api/queries';
+import type { Patient } from '../../../src/api/types';
+import { PatientForm } from '../../../src/components/forms/PatientForm';
 import { Shell } from '../../../src/components/Shell';
 import { pruneDrafts, readDraft, writeDraft } from '../../../src/lib/editing/drafts';
 import { hasUnsaved, releaseAll } from '../../../src/lib/editing/unsaved';
@@ -74,6 +76,90 @@ it('keeps nothing of what is discarded or undone by hand', async () => {
   await userEvent.click(await screen.findByRole('button', { name: 'Discard and leave' }));
   expect(await screen.findByText('elsewhere')).toBeTruthy();
   expect(drafts()).toEqual([]);
+});
+
+it('neither overwrites nor removes a draft while it is offered and nobody has decided', async () => {
+  const earlier = { texts: { family: 'Berg' }, start: { family: '' } };
+  const stored = () => readDraft(THERAPIST.account_id, 'patient:new')?.value;
+  writeDraft(THERAPIST.account_id, 'patient:new', earlier);
+  const view = open();
+  type('Family name', 'Lind');
+  await new Promise((written) => setTimeout(written, 400));
+  expect(stored(), 'one letter does not replace it').toEqual(earlier);
+  await act(() => view.router.navigate('/elsewhere'));
+  expect(await screen.findByText(/An earlier draft is still offered/)).toBeTruthy();
+  expect(screen.queryByRole('button', { name: 'Leave, go on later' })).toBeNull();
+  await userEvent.click(screen.getByRole('button', { name: 'Stay here' }));
+  type('Family name', '');
+  expect(stored()).toEqual(earlier);
+  await userEvent.click(screen.getByRole('button', { name: 'Cancel' }));
+  expect(stored(), 'nor does Cancel remove it').toEqual(earlier);
+
+  await act(() => view.router.navigate('/patients/new'));
+  type('Family name', 'Lind');
+  await userEvent.click(screen.getByRole('button', { name: 'Discard it' }));
+  await waitFor(() => expect(stored()).toMatchObject({ texts: { family: 'Lind' } }));
+  await userEvent.click(screen.getByRole('button', { name: 'Cancel' }));
+  expect(stored(), 'its own it does remove').toBeUndefined();
+});
+
+it('counts as saved as soon as the service has stored it, however long the lists behind it take', async () => {
+  const view = open();
+  const plain = fetch;
+  let isStored = false;
+  vi.stubGlobal('fetch', (path: string, init?: RequestInit) => {
+    if (init?.method === 'POST') isStored = true;
+    return init?.method ? plain(path, init) : new Promise(() => undefined);
+  });
+  // The list that a new patient makes old, and that nobody answers.
+  const list = new QueryObserver(view.client, { queryKey: keys.caseload, queryFn: () => fetch('/api/caseload') });
+  const stop = list.subscribe(() => undefined);
+  type('Family name', 'Berg');
+  await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+  await waitFor(() => expect(isStored).toBe(true));
+  await waitFor(() => expect(hasUnsaved()).toBe(false));
+  await act(() => view.router.navigate('/elsewhere'));
+  expect(screen.getByText('elsewhere')).toBeTruthy();
+  expect(drafts()).toEqual([]);
+  stop();
+});
+
+const PATIENT = {
+  id: 'p',
+  given_name: 'Ada',
+  family_name: 'Berg',
+  birth_date: null,
+  affected_side: 'left',
+  notes: 'by a colleague',
+  body_dimensions: { stature_m: 1.7, hand_m: 0.18 },
+} as unknown as Patient;
+
+it('changes only what was typed, over what a colleague saved meanwhile', async () => {
+  const start = { given: 'Ada', family: 'Berk', birth: '', side: 'right', notes: '' };
+  const lengths = { stature_m: '', upper_arm_m: '', forearm_m: '', hand_m: '', shoulder_width_m: '', trunk_m: '' };
+  writeDraft(THERAPIST.account_id, 'patient:p', {
+    start: { ...start, lengths },
+    texts: { ...start, family: 'Bergh', lengths: { ...lengths, trunk_m: '50' } },
+  });
+  const saved = vi.fn();
+  const view = renderPage(<PatientForm patient={PATIENT} onSaved={saved} onCancel={() => undefined} />, {
+    answers: { 'PATCH /api/patients/p': PATIENT },
+  });
+  await userEvent.click(screen.getByRole('button', { name: 'Continue with it' }));
+  expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Notes' }).value).toBe('by a colleague');
+  await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+  await waitFor(() => expect(saved).toHaveBeenCalled());
+  expect(view.asked.find((one) => one.method === 'PATCH')?.body).toEqual({
+    family_name: 'Bergh',
+    body_dimensions: {
+      stature_m: 1.7,
+      hand_m: 0.18,
+      trunk_m: 0.5,
+      upper_arm_m: null,
+      forearm_m: null,
+      shoulder_width_m: null,
+    },
+  });
 });
 
 it('asks before the tab is closed only while something is not saved', () => {

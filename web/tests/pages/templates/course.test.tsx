@@ -5,6 +5,7 @@ import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { ProgressMeasure } from '../../../src/api/types';
 import { courseRows } from '../../../src/lib/assessment/course';
+import { readDraft, writeDraft } from '../../../src/lib/editing/drafts';
 import { CoursePage } from '../../../src/pages/report/CoursePage';
 import { changed, trend } from '../../trend';
 import { renderPage } from '../render';
@@ -103,6 +104,24 @@ describe('the report of a course', () => {
       rules: { 'color-contrast': { enabled: false }, region: { enabled: false } },
     });
     expect(found.violations.map((one) => one.id)).toEqual([]);
+  });
+
+  it('shows the saved words while others are written, and offers a draft beside them', async () => {
+    sessionStorage.clear();
+    writeDraft('a', 'course-note:p:e', 'Not saved.');
+    const saved = () =>
+      screen.getByText('Reaches further.', { selector: 'p' }).closest('.no-print, .print-only')?.className ?? 'shown';
+    renderPage(<CoursePage />, { at: '/patients/p/report?exercise=e', path: '/patients/:patientId/report', answers });
+    await userEvent.click(await screen.findByRole('button', { name: 'Change' }));
+    expect(saved(), 'a print has them').toBe('print-only');
+    await userEvent.click(screen.getByRole('button', { name: 'Cancel' }));
+    expect(saved()).toBe('shown');
+    expect(screen.queryByRole('textbox', { name: /What you think/ })).toBeNull();
+    await userEvent.click(screen.getByRole('button', { name: 'Continue with it' }));
+    expect(screen.getByRole<HTMLTextAreaElement>('textbox', { name: /What you think/ }).value).toBe('Not saved.');
+    await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+    expect(await screen.findByRole('button', { name: 'Change' })).toBeTruthy();
+    expect(readDraft('a', 'course-note:p:e')).toBeNull();
   });
 
   it('stores the words of who treats', async () => {

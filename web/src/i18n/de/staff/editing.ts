@@ -44,6 +44,8 @@ export const editing: Translated<typeof english> = {
   'unsaved.title': 'Ohne Speichern verlassen?',
   'unsaved.text':
     'Ihre Änderungen sind nicht gespeichert. Sie bleiben bis zum Abmelden auf diesem Gerät und werden Ihnen angeboten, wenn Sie zurückkommen.',
+  'unsaved.textOffered':
+    'Ihre Änderungen sind nicht gespeichert. Auf dieser Seite wird noch ein früherer Entwurf angeboten, deshalb bleiben diese Änderungen nicht auf diesem Gerät. Bleiben Sie hier, um sie zu speichern oder zuerst über den früheren Entwurf zu entscheiden.',
   'unsaved.stay': 'Hier bleiben',
   'unsaved.leave': 'Verlassen, später weiter',
   'unsaved.discardAndLeave': 'Verwerfen und verlassen',

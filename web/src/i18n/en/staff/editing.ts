@@ -40,6 +40,8 @@ export const editing = {
   'unsaved.title': 'Leave without saving?',
   'unsaved.text':
     'Your changes are not saved. They stay on this device until you sign out, and are offered when you come back.',
+  'unsaved.textOffered':
+    'Your changes are not saved. An earlier draft is still offered on this page, so these changes do not stay on this device. Stay here to save them, or to decide about the earlier draft first.',
   'unsaved.stay': 'Stay here',
   'unsaved.leave': 'Leave, go on later',
   'unsaved.discardAndLeave': 'Discard and leave',

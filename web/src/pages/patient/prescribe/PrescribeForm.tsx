@@ -56,13 +56,9 @@ export function PrescribeForm({
       setValues(stored.values);
     },
   });
-  const done = () => {
-    release();
-    onDone();
-  };
   const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
-  const prescribe = usePrescribe(patient.id);
-  const change = useChangePrescription(patient.id);
+  const prescribe = usePrescribe(patient.id, release);
+  const change = useChangePrescription(patient.id, release);
   const choices = templates.data ?? [];
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const isWalked = isWalk(exerciseOf(exercises.data, exerciseId)?.movement);
@@ -75,8 +71,8 @@ export function PrescribeForm({
     event.preventDefault();
     if (!exerciseId || !isDateOrEmpty(endsAt)) return;
     const wanted = wantedOf(values, chosen, isWalked, base);
-    if (base) change.mutate({ prescriptionId: base.id, number: base.number ?? 1, ...wanted }, { onSuccess: done });
-    else prescribe.mutate({ exercise_id: exerciseId, ...wanted }, { onSuccess: done });
+    if (base) change.mutate({ prescriptionId: base.id, number: base.number ?? 1, ...wanted }, { onSuccess: onDone });
+    else prescribe.mutate({ exercise_id: exerciseId, ...wanted }, { onSuccess: onDone });
   };
   const isRefused = isChangedMeanwhile(change.error);
   const stored = present.data?.find((one) => one.id === base?.id);
@@ -202,7 +198,13 @@ export function PrescribeForm({
       )}
       {isJoined && !newest && <Notice>{t('meanwhile.taken')}</Notice>}
       <Group justify="flex-end">
-        <Button variant="default" onClick={done}>
+        <Button
+          variant="default"
+          onClick={() => {
+            release();
+            onDone();
+          }}
+        >
           {t('action.cancel')}
         </Button>
         <Button

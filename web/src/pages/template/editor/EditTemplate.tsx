@@ -157,8 +157,6 @@ function Editor({
   const start = useMemo(() => draftOf(version.design), [version]);
   const [draft, setDraft] = useState(start);
   const [reason, setReason] = useState('');
-  const save = useDrawVersion(version.template_id);
-  const newestId = newerThan(save.error);
   const isChanged = JSON.stringify(designOf(draft)) !== JSON.stringify(designOf(start));
   const { guard, release } = useUnsaved({
     object: `template-version:${opened.id}`,
@@ -169,6 +167,8 @@ function Editor({
       setReason(stored.reason);
     },
   });
+  const save = useDrawVersion(version.template_id, release);
+  const newestId = newerThan(save.error);
   const { curves, repetitions } = version.content;
   const left = useMemo(() => new Set(repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [repetitions]);
   const isBroken = draft.stops.some((one) => brokenBy(one, curves, left));
@@ -207,15 +207,7 @@ function Editor({
         aria-labelledby="save"
         onSubmit={(event) => {
           event.preventDefault();
-          save.mutate(
-            { based_on: version.id, design: designOf(draft), reason: reason.trim() },
-            {
-              onSuccess: (made) => {
-                release();
-                onSaved(made);
-              },
-            },
-          );
+          save.mutate({ based_on: version.id, design: designOf(draft), reason: reason.trim() }, { onSuccess: onSaved });
         }}
       >
         <h2 id="save">{t('design.saveTitle')}</h2>
