@@ -43,7 +43,8 @@ async function leftovers(accountId: string): Promise<Left | null> {
       continue;
     }
     const network = await store.network(sessionId).catch(() => null);
-    if (network) found.networks.push(network);
+    const isAnyReadable = (await store.read(sessionId, 0, 1)).length > 0;
+    if (network && isAnyReadable) found.networks.push(network);
     else found.unreadable.push(sessionId);
   }
   store.close();

@@ -1,6 +1,6 @@
 // Before a session ends, all that any window of this device has measured for it is sent: windows ask each other.
 import { BrowserGateway } from './gateway/browserGateway';
-import { heldStoreKey } from './gateway/seal';
+import { hasCryptography, heldStoreKey } from './gateway/seal';
 import { PacketStore } from './gateway/store';
 import type { Measuring } from './registry';
 import { isTurnElsewhere } from './turn';
@@ -50,16 +50,28 @@ function askOthers(sessionId: string, withinMs: number): Promise<boolean | null>
   }).finally(() => channel.close());
 }
 
+/** Counted without the key: where nothing is left, nobody needs it. */
+async function countHere(sessionId: string): Promise<number> {
+  const store = await PacketStore.open('');
+  const left = await store.count(sessionId);
+  store.close();
+  return left;
+}
+
 /** Send what lies on this device for a session that nobody measures for any more; says whether nothing is left. */
 async function sendStored(sessionId: string, withinMs: number): Promise<boolean> {
-  if (typeof indexedDB === 'undefined') return true;
+  // A page without https measures nothing and has no cryptography: nothing was ever stored there.
+  if (typeof indexedDB === 'undefined' || !hasCryptography()) return true;
+  if ((await countHere(sessionId)) === 0) return true;
   const store = await PacketStore.open(heldStoreKey());
-  const left = await store.count(sessionId);
-  const network = left === 0 ? undefined : await store.network(sessionId).catch(() => null);
+  const network = await store.network(sessionId).catch(() => null);
+  const isAnyReadable = (await store.read(sessionId, 0, 1)).length > 0;
   store.close();
-  if (left === 0 || network === undefined) return true;
+  if (network === undefined) return true;
   // It was sealed with a key that nobody has.
   if (network === null) return false;
+  // All that could be sent was sent.
+  if (!isAnyReadable) return true;
   // A window that does not answer has it, and would be cut off.
   if (await isTurnElsewhere()) return false;
   const gateway = new BrowserGateway(network);

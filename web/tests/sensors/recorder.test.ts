@@ -219,4 +219,17 @@ describe('a gateway in the browser', () => {
     await vi.waitFor(() => expect(recorder.state.link).toMatchObject({ status: 'refused', code: 'not_allowed' }));
     await vi.waitFor(async () => expect(await store.count('s')).toBe(10));
   });
+
+  it('sends what lies behind packets of another key, and waits for none of those', async () => {
+    const other = await PacketStore.open('B'.repeat(43) + '=', factory);
+    for (let sequence = 0; sequence < 120; sequence += 1)
+      await other.put(network.sessionId, sequence, new Uint8Array(40));
+    other.close();
+    const { recorder } = await recorderOf();
+    await feed(recorder, 0, 12);
+    await vi.waitFor(() => expect(service.stored.size).toBe(2), 2000);
+    expect([...service.stored.keys()]).toEqual([120, 121]);
+    await vi.waitFor(() => expect(recorder.state.waiting).toBeLessThanOrEqual(2), 2000);
+    await recorder.close();
+  });
 });

@@ -89,6 +89,16 @@ describe('a second window that ends a session', () => {
     expect(await leftOf()).toBe(4);
   });
 
+  it('ends on a page without cryptography, where nothing can have been stored', async () => {
+    vi.stubGlobal('crypto', { getRandomValues: crypto.getRandomValues.bind(crypto) });
+    expect(await sendRestElsewhere('s', 600)).toBe(true);
+  });
+
+  it('needs no key where nothing is left', async () => {
+    holdStoreKey('?');
+    expect(await sendRestElsewhere('s', 600)).toBe(true);
+  });
+
   it('asks nobody where it measures itself', async () => {
     setMeasuring({ sessionId: 's', settled: () => Promise.resolve(false), stop: () => undefined });
     expect(await sendRest('s')).toBe(false);

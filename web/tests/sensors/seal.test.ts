@@ -121,3 +121,17 @@ it('counts for the account alone what is not sent, and has an end for everybodyâ
   expect(await leftOf()).toBe(0);
   expect(await unsentSeconds('a')).toBe(0);
 });
+
+it('reads on past what another key sealed, and lets nobody wait for it', async () => {
+  await leavePackets(120, NETWORK, ANOTHER);
+  const store = await PacketStore.open(KEY);
+  await store.put(NETWORK.sessionId, 120, MOVEMENT);
+  expect(await store.count(NETWORK.sessionId)).toBe(121);
+  expect((await store.read(NETWORK.sessionId, 0, 50)).map((one) => one.sequence)).toEqual([120]);
+  expect(await store.read(NETWORK.sessionId, 0, 50, 99)).toEqual([]);
+  expect(await store.count(NETWORK.sessionId)).toBe(1);
+  await store.forget(NETWORK.sessionId, 59);
+  expect(await store.count(NETWORK.sessionId)).toBe(1);
+  await store.forget(NETWORK.sessionId, 120);
+  expect(await store.count(NETWORK.sessionId)).toBe(0);
+});

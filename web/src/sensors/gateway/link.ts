@@ -289,7 +289,7 @@ export class Link {
       while (this.#isGreeted && this.#next <= this.#stored) {
         const socket = this.#socket;
         const found = await this.#options.store.read(this.#options.network.sessionId, this.#next, BATCH);
-        // What was given up is not here; nothing above it is left out.
+        // What was given up is not here, and what another key sealed cannot be sent; nothing else is left out.
         if (found.length === 0) this.#next = this.#stored + 1;
         for (const one of found) {
           // Another connection has another beginning.

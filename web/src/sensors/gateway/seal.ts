@@ -9,6 +9,9 @@ export function holdStoreKey(key: string): void {
 
 export const heldStoreKey = (): string => held;
 
+/** A page without https has none. */
+export const hasCryptography = (): boolean => (crypto as Partial<Crypto>).subtle !== undefined;
+
 export interface Sealed {
   iv: Uint8Array<ArrayBuffer>;
   sealed: ArrayBuffer;

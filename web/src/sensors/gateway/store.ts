@@ -69,6 +69,8 @@ function upgrade(request: IDBOpenDBRequest, before: number): void {
 export class PacketStore {
   readonly #database: IDBDatabase;
   readonly #seal: Seal | null;
+  /** Sequences that this key did not open when they were read. */
+  readonly #unreadable = new Map<string, Set<number>>();
 
   private constructor(database: IDBDatabase, seal: Seal | null) {
     this.#database = database;
@@ -146,18 +148,43 @@ export class PacketStore {
     await committed(transaction);
   }
 
-  /** Packets from a sequence on, in order, at most so many; those of another key stay, and others follow them. */
+  /**
+   * Packets from a sequence on, in order, at most so many; empty only where none follows that this key opens: those of
+   * another key are passed over, and stay until the service has given them up.
+   */
   async read(sessionId: string, from: number, most: number, to = Infinity): Promise<StoredPacket[]> {
-    const range = IDBKeyRange.bound([sessionId, from], [sessionId, to]);
-    const store = this.#database.transaction(PACKETS).objectStore(PACKETS);
-    const rows = (await done(store.getAll(range, most))) as PacketRow[];
+    for (let next = from; next <= to;) {
+      const range = IDBKeyRange.bound([sessionId, next], [sessionId, to]);
+      const store = this.#database.transaction(PACKETS).objectStore(PACKETS);
+      const rows = (await done(store.getAll(range, most))) as PacketRow[];
+      const last = rows.at(-1);
+      if (!last) break;
+      const found = await this.#readable(rows);
+      if (found.length > 0) return found;
+      next = last.sequence + 1;
+    }
+    return [];
+  }
+
+  async #readable(rows: readonly PacketRow[]): Promise<StoredPacket[]> {
     const opened = await Promise.allSettled(
       rows.map(async (row): Promise<StoredPacket> => ({
         sequence: row.sequence,
-        bytes: 'sealed' in row ? await this.#withKey.open(packetName(sessionId, row.sequence), row) : row.bytes,
+        bytes: 'sealed' in row ? await this.#withKey.open(packetName(row.sessionId, row.sequence), row) : row.bytes,
       })),
     );
-    return opened.flatMap((one) => (one.status === 'fulfilled' ? [one.value] : []));
+    return opened.flatMap((one, at) => {
+      if (one.status === 'fulfilled') return [one.value];
+      const { sessionId, sequence } = rows[at]!;
+      if (this.#seal) this.#unreadableOf(sessionId).add(sequence);
+      return [];
+    });
+  }
+
+  #unreadableOf(sessionId: string): Set<number> {
+    const found = this.#unreadable.get(sessionId) ?? new Set();
+    this.#unreadable.set(sessionId, found);
+    return found;
   }
 
   /** Forget what is safe: everything up to and including this sequence. */
@@ -169,10 +196,14 @@ export class PacketStore {
     const row = (await done(sessions.get(sessionId))) as SessionRow | undefined;
     if (row) sessions.put({ ...row, next: Math.max(row.next, through + 1), usedMs: Date.now() });
     await committed(transaction);
+    const unreadable = this.#unreadableOf(sessionId);
+    for (const sequence of unreadable) if (sequence <= through) unreadable.delete(sequence);
   }
 
+  /** How many packets wait; without those that were read and cannot be opened, which nothing waits for. */
   async count(sessionId: string): Promise<number> {
-    return done(this.#database.transaction(PACKETS).objectStore(PACKETS).count(packetsOf(sessionId)));
+    const all = await done(this.#database.transaction(PACKETS).objectStore(PACKETS).count(packetsOf(sessionId)));
+    return all - this.#unreadableOf(sessionId).size;
   }
 
   /** The highest sequence stored here; -1 when there is none. */
@@ -188,6 +219,7 @@ export class PacketStore {
     transaction.objectStore(PACKETS).delete(packetsOf(sessionId));
     transaction.objectStore(SESSIONS).delete(sessionId);
     await committed(transaction);
+    this.#unreadable.delete(sessionId);
   }
 
   /** Delete what nobody has sent for weeks, whoever measured it. */
