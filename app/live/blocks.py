@@ -164,8 +164,9 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     rows[:, 2 * angles : start] = frames.scalar
     # Not -1: a stretch without ticks has columns all the same.
     rows[:, start : start + points] = frames.point_room_m.reshape(ticks, points)
-    rows[:, start + points : width - angles] = frames.segment_flags
-    rows[:, width - angles :] = frames.angle_flags
+    is_sound = frames.slipped is None
+    rows[:, start + points : width - angles] = frames.segment_flags if is_sound else frames.segment_bits
+    rows[:, width - angles :] = frames.angle_flags if is_sound else frames.angle_bits
     return words[_FRAME_HEAD // 4 :].tobytes()
 
 

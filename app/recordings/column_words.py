@@ -4,12 +4,13 @@ import re
 from typing import Final
 
 from estimators.orientation import OrientationFlag
+from estimators.pipelines import SLIPPED
 from estimators.pipelines.walk.layout import FORCE_STATES
 
 FLAGS: Final = {
     OrientationFlag.INVALID: "nothing is known: no data, or lost",
     OrientationFlag.BRIDGED: "interpolated across a gap of at most 0.2 s",
-    OrientationFlag.CONVERGING: "the estimate has just begun; with 32, the sensor may have turned in its strap",
+    OrientationFlag.CONVERGING: "the estimate has just begun",
     OrientationFlag.ACCELERATION_NOT_TRUSTED: "movement hides gravity",
     OrientationFlag.MAGNETIC_DISTURBANCE: "the field is not the earth's",
     OrientationFlag.HEADING_NOT_TRUSTED: "the heading is not known; of a foot after a long gap, nor its place",
@@ -39,7 +40,7 @@ _SPELT: Final = {"mps2": "m/s^2", "mps": "m/s", "n": "N", "nm": "N m"}
 def flags_words() -> str:
     """Return what the bits of a column of flags mean, in one line."""
     said = "; ".join(f"{int(flag)}: {words}" for flag, words in FLAGS.items())
-    return f"bits, 0 is sound; {said}"
+    return f"bits, 0 is sound; {said}; {SLIPPED}: the sensor has turned in its strap"
 
 
 def unit_of(column: str) -> str:

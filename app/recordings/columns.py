@@ -75,6 +75,7 @@ def frames_table(
         estimate. Each field has `unit` and `meaning` in its metadata, and `frame` and `sequence` where it has one.
     """
     found, layout = _Columns(pipeline), frames.layout
+    angle_bits, segment_bits = frames.angle_bits, frames.segment_bits
     found.add("time_s", frames.time_s, "time since the start of the recording")
     for index, name in enumerate(layout.angles):
         words, sequence = angle_words(name), sequence_of(name)
@@ -82,7 +83,7 @@ def frames_table(
         found.add(
             f"{name}_sigma_rad", frames.angle_sigma_rad[:, index], f"one sigma of {words}", sequence=sequence
         )
-        found.add(f"{name}_flags", frames.angle_flags[:, index], flags_words())
+        found.add(f"{name}_flags", angle_bits[:, index], flags_words())
     for index, name in enumerate(layout.scalars):
         found.add(name, frames.scalar[:, index], scalar_words(name))
     for index, name in enumerate(layout.points):
@@ -93,7 +94,7 @@ def frames_table(
                 f"quaternion from the axes of {name} to those of the frame, {letter}; unit norm, scalar first"
             )
             found.add(f"{name}_q_{letter}", frames.q_room_segment[:, index, part], meaning, has_frame=True)
-        found.add(f"{name}_flags", frames.segment_flags[:, index], flags_words())
+        found.add(f"{name}_flags", segment_bits[:, index], flags_words())
     if frames.point_sigma_m is not None:
         for index, name in enumerate(layout.points):
             meaning = f"one sigma of the position of {name} along"

@@ -131,7 +131,8 @@ def speed_profile(
     """Return the speed during one repetition.
 
     The hand's speed in the room comes from the pipeline, where it follows from turning rates; without it,
-    from the wrist's path. A turning movement uses the rate of its primary angle.
+    from the wrist's path. A turning movement uses the rate of its primary angle. None where it was not measured, or a
+    sensor that it needs has turned in its strap.
     """
     if len(arm.time_s) < 8:
         return None
@@ -150,6 +151,9 @@ def speed_profile(
         column = source.channels.index(name)
         start = int(np.searchsorted(source.time_s, arm.time_s[0] - 1e-9))
         chosen = slice(start, start + len(arm.time_s))
+        if source.unseated is not None and source.unseated[chosen, column].any():
+            # Not from the path either: seen from the shoulder it is another speed than the others'.
+            return None
         speed = np.where(source.valid[chosen, column], source.values[chosen, column], np.nan)
         if np.isfinite(speed).mean() > 0.5:
             return SpeedProfile(fill_gaps(speed[:, None])[0][:, 0], 1.0 / step_s, False)

@@ -8,6 +8,7 @@ from estimators.pipelines._balance import (
     trunk_above_ankles_m,
 )
 from estimators.pipelines._contract import (
+    SLIPPED,
     BodyDimensions,
     Calibration,
     DeviceConstants,
@@ -44,6 +45,7 @@ __all__ = [
     "FEET",
     "FORCE_STATES",
     "NOMINAL_GAIN_SIGMA",
+    "SLIPPED",
     "TRUNK",
     "ArmPipeline",
     "BalancePipeline",

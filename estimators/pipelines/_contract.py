@@ -25,6 +25,8 @@ from estimators.samples import Samples
 from estimators.sentences import CATALOGUE, for_json, say
 
 _LEGS: Final = ("thigh_", "shank_", "foot_")
+SLIPPED: Final = 256
+"""Beside the bits of `OrientationFlag` where flags leave the service: the sensor has turned in its strap."""
 
 
 @dataclass(frozen=True)
@@ -154,6 +156,10 @@ class Frames(Samples):
         only where no angle carries it; see `as_stored_live`.
     point_sigma_m : ndarray, shape (K, P, 3), or None
         One-sigma of each point's position along the room axes, NaN where the method tells none.
+    slipped : ndarray of bool, shape (K, G + A + P), or None
+        From where on a sensor has turned in its strap: each segment that wears one, each angle that is off by it, each
+        point that is off by it as seen from the shoulder. No flag says so, because restarts and missing compasses raise
+        those too. None where none has.
     """
 
     UNKNOWN_BITS: ClassVar[int] = OrientationFlag.INVALID.value
@@ -170,6 +176,36 @@ class Frames(Samples):
     angle_flags: NDArray[np.uint8]
     segment_sigma_rad: Float | None = None
     point_sigma_m: Float | None = None
+    slipped: NDArray[np.bool_] | None = None
+
+    @property
+    def slipped_parts(self) -> "tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]":
+        """Where segments, angles and points are off by a turned sensor, shapes (K, G), (K, A) and (K, P)."""
+        segments, angles = len(self.layout.segments), len(self.layout.angles)
+        slipped = self.slipped
+        if slipped is None:
+            shape = len(self.segment_flags), segments + angles + len(self.layout.points)
+            slipped = np.zeros(shape, dtype=np.bool_)
+        return (
+            slipped[:, :segments],
+            slipped[:, segments : segments + angles],
+            slipped[:, segments + angles :],
+        )
+
+    @property
+    def segment_bits(self) -> NDArray[Any]:
+        """`segment_flags`, with `SLIPPED` where a sensor has turned in its strap."""
+        return self._with_slipped(self.segment_flags, 0)
+
+    @property
+    def angle_bits(self) -> NDArray[Any]:
+        """`angle_flags`, with `SLIPPED` where a sensor has turned in its strap."""
+        return self._with_slipped(self.angle_flags, 1)
+
+    def _with_slipped(self, flags: NDArray[np.uint8], part: int) -> NDArray[Any]:
+        if self.slipped is None:
+            return flags
+        return np.asarray(flags | np.where(self.slipped_parts[part], SLIPPED, 0).astype(np.uint16))
 
     @property
     def time_s(self) -> Float:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
@@ -109,7 +110,14 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
         scalar=np.concatenate([part.scalar for part in parts]),
         segment_flags=np.concatenate([part.segment_flags for part in parts]),
         angle_flags=np.concatenate([part.angle_flags for part in parts]),
+        slipped=_slipped_together(parts),
     )
+
+
+def _slipped_together(parts: Sequence[Frames]) -> NDArray[np.bool_] | None:
+    if all(part.slipped is None for part in parts):
+        return None
+    return np.concatenate([np.concatenate(part.slipped_parts, axis=1) for part in parts])
 
 
 def _together(sigmas: Sequence[Float | None], parts: Sequence[Frames], columns: int) -> Float | None:

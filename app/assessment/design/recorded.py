@@ -216,7 +216,7 @@ def _begun(built: Built, phases: Sequence[PhaseDesign], watched: Sequence[str] =
 def _what_moved(source: Source) -> tuple[str, str]:
     """Return side and angle with the largest range, for a session without an exercise."""
     moved = source.moved
-    values = np.where(moved.valid, moved.values, np.nan)
+    values = moved.measured
     best, channel = 0.0, ""
     for column, name in enumerate(moved.channels):
         if not name.endswith(("_elevation", "_flexion", "_pronation")) or "plane_of" in name:

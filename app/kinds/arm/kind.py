@@ -33,7 +33,7 @@ class ArmKind(SessionKind):
         if setup.calibration is not None and setup.calibration.unknown_headings:
             setup, resets = with_first_headings(setup, resets, pieces)
         resets = resets if setup.calibration is not None else ()
-        from_s = mounted_since_s(context) if pose_s is None else pose_s[1]
+        from_s = mounted_since_s(context, wanted.resets) if pose_s is None else pose_s[1]
         slips = slips_of(setup, resets, pieces, from_s)
         line = SlippedLine(pipelines.create(setup), resets, slips)
         found = estimated(context, line, pieces, message=message, progress_from=wanted.progress_from)

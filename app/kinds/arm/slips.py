@@ -8,7 +8,7 @@ from sqlalchemy import delete, func, select
 from app.database.unit_of_work import read_only, unit_of_work
 from app.recordings.analysis.heading_line import MOUNTINGS, HeadingLine, HeadingReset
 from app.recordings.analysis.jobs import JobContext
-from app.recordings.models import SessionEvent
+from app.recordings.models import MotionSession, SessionEvent
 from app.sentences import Sentence, say
 from estimators import pipelines
 from estimators.pipelines import Frames, Pipeline, SessionSetup, Slip, SlipSearch
@@ -68,8 +68,22 @@ def slips_of(
     return search.finish()
 
 
-def mounted_since_s(context: JobContext) -> float:
-    """Return when the last calibration that tells how sensors sit ended; 0 where the session has none."""
+def mounted_since_s(context: JobContext, resets: Sequence[HeadingReset]) -> float:
+    """Return from when on the sensors are worn as the calibration in force says.
+
+    Parameters
+    ----------
+    context : JobContext
+    resets : sequence of HeadingReset
+        Since the mounting in force was set, earliest first.
+
+    Returns
+    -------
+    float
+        Session time of the end of the last calibration that tells how sensors sit. Of a mounting remembered from an
+        earlier session nobody knows when the straps were put right: the first heading was set after that, and Record
+        pressed.
+    """
     end_s = SessionEvent.time_s + SessionEvent.duration_s
     with read_only(context.engine) as session:
         found = session.scalar(
@@ -80,7 +94,10 @@ def mounted_since_s(context: JobContext) -> float:
                 SessionEvent.details["kind"].as_string().in_(MOUNTINGS),
             )
         )
-    return float(found or 0.0)
+        if found is not None:
+            return float(found)
+        record_s = session.get_one(MotionSession, context.session_id).recording_start_s
+    return max(record_s or 0.0, resets[0].stop_s if resets else 0.0)
 
 
 def report_slips(context: JobContext, slips: Sequence[Slip]) -> None:

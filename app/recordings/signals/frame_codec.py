@@ -118,13 +118,15 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
     """
     first = parts[0]
     ticks = sum(map(len, map(_FLAGS[0], parts)))
-    has_sigma = has_point_sigma = False
+    has_sigma = has_point_sigma = has_slipped = False
     for part in parts:
         # Looked at no longer than needed: most live frames have none.
         if part.segment_sigma_rad is not None and not has_sigma:
             has_sigma = bool(np.isfinite(part.segment_sigma_rad).any())
         if part.point_sigma_m is not None and not has_point_sigma:
             has_point_sigma = bool(np.isfinite(part.point_sigma_m).any())
+        if part.slipped is not None:
+            has_slipped = True
     columns = columns_of(first.layout, has_sigma, has_point_sigma)
     lead = -first.first_tick % stride
     rows = -(-(ticks - lead) // stride)
@@ -141,10 +143,13 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
                 value[-part.first_tick % stride :: stride] for part, value in zip(parts, values, strict=True)
             ]
         np.concatenate(values, out=table[:, place].reshape(rows, *shape))
-    segments = len(first.layout.segments)
-    flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
+    segments, whole = len(first.layout.segments), len(first.layout.segments) + len(first.layout.angles)
+    flags = np.empty((ticks, whole + has_slipped * (whole + len(first.layout.points))), np.uint8)
     np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])
-    np.concatenate(list(map(_FLAGS[1], parts)), out=flags[:, segments:])
+    np.concatenate(list(map(_FLAGS[1], parts)), out=flags[:, segments:whole])
+    if has_slipped:
+        slipped = [np.concatenate(part.slipped_parts, axis=1) for part in parts]
+        np.concatenate(slipped, out=flags[:, whole:], casting="unsafe")
     if stride > 1:
         flags = np.bitwise_or.reduceat(flags, [0, *range(lead + stride, ticks, stride)], axis=0)
     words = np.empty(room_words(len(table), table.shape[1] + flags.shape[1]), np.uint32)
@@ -159,6 +164,8 @@ def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str
         scale["segment_sigma"] = True
     if has_point_sigma:
         scale["point_sigma"] = True
+    if has_slipped:
+        scale["slipped"] = True
     if stride > 1:
         scale["stride"] = stride
     return words[:used].tobytes(), len(table), scale
@@ -180,7 +187,11 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
     columns = columns_of(layout, bool(scale.get("segment_sigma")), bool(scale.get("point_sigma")))
     segments, stride = len(layout.segments), stride_of(scale)
     ticks //= stride
-    shapes = (ticks, len(columns.kinds)), (ticks, segments + len(layout.angles))
+    whole, has_slipped = segments + len(layout.angles), bool(scale.get("slipped"))
+    shapes = (
+        (ticks, len(columns.kinds)),
+        (ticks, whole + has_slipped * (whole + len(layout.points))),
+    )
     if (shapes[0][1], shapes[1][1]) != (scale["floats"], scale["flags"]):
         raise codecs.DamagedChunkError(say("stored.layout"))
     if codec == FRAMES_CODEC:
@@ -201,7 +212,8 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
         first_tick=scale["first_tick"] // stride,
         time_step_s=scale["time_step_s"] * stride,
         segment_flags=flags[:, :segments],
-        angle_flags=flags[:, segments:],
+        angle_flags=flags[:, segments:whole],
+        slipped=flags[:, whole:] != 0 if has_slipped else None,
         **values,
     )
 

@@ -34,12 +34,15 @@ class SideChannels:
         Angles and leans in rad. Positions in m relative to the shoulder of the same side, times
         `reach_to / reach_from`, so that people of different size can be laid on each other. NaN where
         the trajectory is not valid.
+    unseated : ndarray of bool, shape (N, C), or None
+        Where a sensor has turned in its strap, see `Trajectory`; the values are NaN there.
     """
 
     time_s: Float
     channels: tuple[str, ...]
     values: Float
     sigma: Float
+    unseated: NDArray[np.bool_] | None = None
 
     @cached_property
     def step_s(self) -> float:
@@ -59,9 +62,19 @@ class SideChannels:
         return replace(self, values=values, sigma=sigma)
 
     def cut(self, repetition: Repetition) -> "SideChannels":
-        """Return the samples of one repetition, half-open in session time."""
+        """Return the samples of one repetition, half-open in session time.
+
+        A channel whose sensor turned in its strap during it is NaN in all of it: its range and its peak would be those
+        of the part before.
+        """
         inside = repetition.ticks(self.time_s)
-        return replace(self, time_s=self.time_s[inside], values=self.values[inside], sigma=self.sigma[inside])
+        values, unseated = self.values[inside], None
+        if self.unseated is not None:
+            unseated = self.unseated[inside]
+            values = np.where(unseated.any(axis=0), np.nan, values)
+        return replace(
+            self, time_s=self.time_s[inside], values=values, sigma=self.sigma[inside], unseated=unseated
+        )
 
 
 def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> SideChannels:
@@ -90,6 +103,7 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
     names: list[str] = []
     values: list[Float] = []
     sigma: list[Float] = []
+    columns: list[list[int]] = []
     for name in source.channels:
         is_angle = f"_{side}_" in name and not name.endswith(("_mps", "_m", "_lean_forward_rad"))
         is_own = is_angle or name == f"shoulder_hike_{side}_m" or name in foot_channels(side)
@@ -97,6 +111,7 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
             names.append(name)
             values.append(masked[:, index[name]])
             sigma.append(source.sigma[:, index[name]])
+            columns.append([index[name]])
     for point in ARM_POINTS:
         for axis in "xyz":
             name, origin = f"{point}_{side}.{axis}", f"shoulder_{side}.{axis}"
@@ -104,14 +119,19 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
                 names.append(name)
                 values.append((masked[:, index[name]] - masked[:, index[origin]]) * size_ratio)
                 sigma.append(source.sigma[:, index[name]] * size_ratio)
+                columns.append([index[name], index[origin]])
     measured = [i for i, column in enumerate(values) if np.isfinite(column).any()]
     if not any(f"_{side}" in names[i] for i in measured):
         raise ComparisonError(not_measured(source, side))
+    unseated = source.unseated
     return SideChannels(
         time_s=source.time_s,
         channels=tuple(names[i] for i in measured),
         values=np.ascontiguousarray(np.stack([values[i] for i in measured], axis=1)),
         sigma=np.ascontiguousarray(np.stack([sigma[i] for i in measured], axis=1)),
+        unseated=None
+        if unseated is None
+        else np.stack([unseated[:, columns[i]].any(axis=1) for i in measured], axis=1),
     )
 
 

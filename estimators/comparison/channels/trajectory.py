@@ -3,6 +3,7 @@
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.comparison._contract import Trajectory
 from estimators.comparison.measures.places import place_sigma
@@ -12,9 +13,8 @@ from estimators.recording import Float
 from estimators.rotation import conjugate, rotate
 
 _LEANING: Final = ("thigh", "shank")
+_HAND_SPEED: Final = "hand_speed_"
 UNUSABLE: Final = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR)
-UNSEATED: Final = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
-"""Both together: nobody knows how the sensor sits, as before a calibration or after it has turned in its strap."""
 """Bits of an angle that says nothing about the posture."""
 
 
@@ -45,23 +45,17 @@ def trajectory(frames: Frames) -> Trajectory:
         sigma[:, len(layout.angles) + len(layout.scalars) :] = place_sigma(frames, frames.segment_sigma_rad)
     valid = np.isfinite(values)
     valid[:, : len(layout.angles)] &= (frames.angle_flags & UNUSABLE) == 0
-    unseated = np.zeros_like(valid)
-    unseated[:, : len(layout.angles)] = (frames.angle_flags & UNSEATED) == UNSEATED
     tracked = (frames.segment_flags & np.uint8(OrientationFlag.INVALID)) == 0
     for column, name in enumerate((*layout.scalars, *points), start=len(layout.angles)):
         needed = [layout.segments.index(s) for s in segments_behind(name) if s in layout.segments]
         if needed:
             valid[:, column] &= tracked[:, needed].all(axis=1)
-        if needed and name.endswith("_rad"):
-            flags = frames.segment_flags[:, needed]
-            unseated[:, column] = ((flags & UNSEATED) == UNSEATED).any(axis=1)
     legs = leaning_segments(layout)
     if legs:
         lean = legs_forward(frames, legs)
         values = np.concatenate([values, lean], axis=1)
         sigma = np.concatenate([sigma, np.full_like(lean, np.nan)], axis=1)
         valid = np.concatenate([valid, np.isfinite(lean) & tracked[:, legs]], axis=1)
-        unseated = np.concatenate([unseated, np.zeros(lean.shape, dtype=bool)], axis=1)
     return Trajectory(
         time_s=frames.time_s,
         channels=(
@@ -73,8 +67,30 @@ def trajectory(frames: Frames) -> Trajectory:
         values=values,
         sigma=sigma,
         valid=valid,
-        unseated=unseated if unseated.any() else None,
+        unseated=_unseated(frames, valid.shape[1]),
     )
+
+
+def _unseated(frames: Frames, columns: int) -> NDArray[np.bool_] | None:
+    """Return which channels are off by a sensor that turned in its strap, shape (N, C)."""
+    if frames.slipped is None or not frames.slipped.any():
+        return None
+    layout = frames.layout
+    segment, angle, point = frames.slipped_parts
+    found = np.zeros((frames.tick_count, columns), dtype=np.bool_)
+    found[:, : len(layout.angles)] = angle
+    for column, name in enumerate(layout.scalars, start=len(layout.angles)):
+        behind = segments_behind(name)
+        if name.startswith(_HAND_SPEED):
+            # How a sensor on the arm is twisted about the limb does not change where the hand goes.
+            hand, behind = f"hand_{'left' if '_left' in name else 'right'}", behind[:1]
+            if hand in layout.points:
+                found[:, column] = point[:, layout.points.index(hand)]
+        needed = [layout.segments.index(s) for s in behind if s in layout.segments]
+        found[:, column] |= segment[:, needed].any(axis=1)
+    first = len(layout.angles) + len(layout.scalars)
+    found[:, first : first + 3 * len(layout.points)] = np.repeat(point, 3, axis=1)
+    return found
 
 
 def leaning_segments(layout: FrameLayout) -> list[int]:

@@ -15,8 +15,8 @@ import { extent, runs, steadyRange } from './scales';
 
 const INVALID = 1;
 const SINGULAR = 128;
-/** Both together: nobody knows how the sensor sits, as after it has turned in its strap. */
-const UNSEATED = 4 | 32;
+/** The sensor has turned in its strap. */
+const SLIPPED = 256;
 const HEIGHT = 132;
 /** An angle known no better than this (one standard deviation) says nothing that a number could state. */
 const UNKNOWN_RAD = Math.PI / 12;
@@ -114,7 +114,7 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
 }
 
 function isTrusted(flags: number): boolean {
-  return (flags & (INVALID | SINGULAR)) === 0 && (flags & UNSEATED) !== UNSEATED;
+  return (flags & (INVALID | SINGULAR | SLIPPED)) === 0;
 }
 
 /** Whether a number may stand for the value: not where the angle has no meaning in this posture, or is hardly known. */

@@ -46,7 +46,8 @@ describe('the number beside a curve', () => {
     expect(isMeaningful(0, NaN, 'rad')).toBe(true);
     expect(isMeaningful(SINGULAR, 3 * degrees, 'rad')).toBe(false);
     expect(isMeaningful(1, NaN, 'm')).toBe(false);
-    expect(isMeaningful(4 | 32, 10 * degrees, 'rad')).toBe(false);
+    expect(isMeaningful(256 | 4 | 32, 10 * degrees, 'rad')).toBe(false);
+    expect(isMeaningful(4 | 32, 10 * degrees, 'rad')).toBe(true);
     expect(isMeaningful(32, 10 * degrees, 'rad')).toBe(true);
     expect(isMeaningful(0, 20 * degrees, 'rad')).toBe(false);
     expect(isMeaningful(0, 0.5, 'm')).toBe(true);

@@ -1,7 +1,8 @@
 """A sensor that turned in its strap: reported on the time line, and its angles flagged in the result."""
 
 from collections.abc import Callable
-from typing import Final
+from types import SimpleNamespace
+from typing import Final, cast
 
 import numpy as np
 import pytest
@@ -9,8 +10,9 @@ from sqlalchemy import Engine, select
 
 from app import readers
 from app.database.unit_of_work import read_only, unit_of_work
-from app.kinds.arm.slips import EVENT, in_words
-from app.recordings.analysis.jobs import run_job
+from app.kinds.arm.slips import EVENT, in_words, mounted_since_s
+from app.recordings.analysis.heading_line import HeadingReset
+from app.recordings.analysis.jobs import JobContext, run_job
 from app.recordings.analysis.reprocess import reprocess
 from app.recordings.models import Job, MotionSession, SessionEvent
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -87,6 +89,49 @@ def test_a_closed_session_says_which_sensor_turned_and_when(
     assert flagged[frames.time_s > AT_S + 0.5].all()
     assert not flagged[(frames.time_s > 8.0) & (frames.time_s < AT_S - 0.8)].any()
     assert np.degrees(frames.angle_sigma_rad[-1, column]) > 30.0
+    assert frames.slipped is not None, "stored with the frames"
+    segment, angle, _ = frames.slipped_parts
+    after = frames.time_s > AT_S + 0.5
+    assert angle[after, column].all()
+    assert (segment[-1] == [name == "forearm_right" for name in frames.layout.segments]).all()
+    assert not frames.slipped[frames.time_s < AT_S - 0.8].any()
+
+
+@pytest.mark.parametrize(
+    ("mounted", "reset", "record_s", "from_s"),
+    [
+        (None, None, None, 0.0),
+        (None, (4.0, 6.0), None, 6.0),
+        (None, (4.0, 6.0), 9.0, 9.0),
+        (None, (4.0, 12.0), 9.0, 12.0),
+        ((1.0, 3.0), (4.0, 6.0), 9.0, 3.0),
+    ],
+)
+def test_a_remembered_mounting_holds_from_the_first_heading_and_from_record_on(
+    engine: Engine,
+    new_session: Callable[..., str],
+    mounted: tuple[float, float] | None,
+    reset: tuple[float, float] | None,
+    record_s: float | None,
+    from_s: float,
+) -> None:
+    """Straps are put right before: what was handled then is no slip."""
+    session_id = new_session(recording_start_s=record_s)
+    if mounted is not None:
+        with unit_of_work(engine) as session:
+            session.add(
+                SessionEvent(
+                    session_id=session_id,
+                    kind="calibration",
+                    time_s=mounted[0],
+                    duration_s=mounted[1] - mounted[0],
+                    text="",
+                    details={"kind": "t_pose"},
+                )
+            )
+    resets = [] if reset is None else [HeadingReset(*reset, ARM, {})]
+    context = cast(JobContext, SimpleNamespace(engine=engine, session_id=session_id))
+    assert mounted_since_s(context, resets) == from_s
 
 
 def test_of_two_sensors_one_is_meant() -> None:

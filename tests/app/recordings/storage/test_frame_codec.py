@@ -51,6 +51,7 @@ def any_frames(draw: st.DrawFn) -> Frames:
         angle_flags=draw(hnp.arrays(np.uint8, (ticks, 2))),
         segment_sigma_rad=draw(st.sampled_from([None, "some"])) and table(SIGMA, 1, 3),
         point_sigma_m=draw(st.sampled_from([None, "some"])) and table(SIGMA, 1, 3),
+        slipped=draw(st.one_of(st.none(), hnp.arrays(np.bool_, (ticks, 4)))),
     )
 
 
@@ -77,6 +78,7 @@ def test_what_is_read_back_differs_by_less_than_matters(live: Frames) -> None:
     assert (read.first_tick, read.time_step_s) == (live.first_tick, live.time_step_s)
     assert np.array_equal(read.segment_flags, live.segment_flags)
     assert np.array_equal(read.angle_flags, live.angle_flags)
+    assert np.array_equal(read.slipped, live.slipped)
     within(read.q_room_segment, live.q_room_segment, 2.0**-16)
     within(read.point_room_m, live.point_room_m, 2.0**-15)
     within(read.angle_rad, live.angle_rad, 2.0**-15)
@@ -189,6 +191,7 @@ def test_frames_stored_before_are_still_read() -> None:
         EncodedChunk(0, 30, FLOAT32_FRAMES_CODEC, scale, codecs.checksum(data), data), LAYOUT
     )
     assert read.first_tick == 40
+    assert read.slipped is None
     np.testing.assert_allclose(read.point_room_m, frames.point_room_m, rtol=1e-7)
     assert np.array_equal(read.angle_flags, frames.angle_flags)
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.csv
@@ -10,12 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import cli
+from app.live.blocks import encode_block
 from app.recordings.column_words import FLAGS
 from app.recordings.columns import dictionary, frames_table
 from app.version import service_version
 from estimators import pipelines
 from estimators.orientation import OrientationFlag
-from estimators.pipelines import Frames, SessionSetup
+from estimators.pipelines import FrameLayout, Frames, SessionSetup
 from tests.app.readers.odd_tables import odd_tables
 
 
@@ -85,3 +87,30 @@ def test_every_flag_and_angle_has_words():
     for name in layout.angles:
         assert columns[f"{name}_rad"]["meaning"]
         assert columns[f"{name}_flags"]["unit"] == "1"
+
+
+def test_a_turned_sensor_has_a_flag_of_its_own_in_files_and_blocks():
+    layout = FrameLayout(("forearm_right",), ("wrist_right",), ("elbow_flexion", "elbow_pronation"))
+    slipped = np.array([[False, False, False, False], [True, False, True, False]])
+    frames = Frames(
+        layout,
+        0,
+        0.01,
+        np.ones((2, 1, 4)),
+        np.ones((2, 1, 3)),
+        np.ones((2, 2)),
+        np.ones((2, 2)),
+        np.ones((2, 0)),
+        np.full((2, 1), 4, np.uint8),
+        np.full((2, 2), 36, np.uint8),
+        slipped=slipped,
+    )
+    table = frames_table(frames)
+    assert table["forearm_right_flags"].to_pylist() == [4, 260]
+    assert table["elbow_flexion_flags"].to_pylist() == [36, 36]
+    assert table["elbow_pronation_flags"].to_pylist() == [36, 292]
+    assert "256: the sensor has turned" in str(table.schema.field("elbow_flexion_flags").metadata)
+    rows = np.frombuffer(encode_block(frames), "<f4", offset=40).reshape(2, -1)
+    assert rows[:, -3:].tolist() == [[4, 36, 36], [260, 36, 292]]
+    sound = frames_table(replace(frames, slipped=None))
+    assert sound["elbow_pronation_flags"].to_pylist() == [36, 36]
