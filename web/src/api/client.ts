@@ -3,7 +3,8 @@ import { t } from '../i18n';
 import { sentencesReady } from '../i18n/languages';
 import { inOurWords } from '../i18n/sentence';
 import { idleSeconds } from '../lib/browser/idle';
-import { signInAgain } from './signInAgain';
+import { anotherSignedIn, signInAgain } from './signInAgain';
+import type { Me } from './types';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {
@@ -23,10 +24,29 @@ function idleHeader(): Record<string, string> {
 }
 
 let csrfToken = '';
+let account = '';
 
-/** Remember the token of the signed-in session; it goes out with every change. */
-export function setCsrfToken(token: string): void {
+/** Remember the token of the signed-in session, which goes out with every change, and whose session it is. */
+export function setCsrfToken(token: string, ofAccount = ''): void {
   csrfToken = token;
+  account = ofAccount;
+}
+
+/** A change with the token of an earlier sign-in: another tab of this browser has signed in since. */
+function isTokenOld(error: ApiError): boolean {
+  return error.status === 403 && error.details.header === 'X-CSRF-Token';
+}
+
+/** Whether the same account has signed in elsewhere, whose token is then taken; to another one the page is not left. */
+async function renewToken(): Promise<boolean> {
+  if (account === '') return false;
+  const me = await api.get<Me>('/api/me');
+  if (me.account_id !== account) {
+    anotherSignedIn(me.account_id);
+    return false;
+  }
+  csrfToken = me.csrf_token;
+  return true;
 }
 
 async function errorOf(response: Response): Promise<ApiError> {
@@ -41,7 +61,15 @@ async function errorOf(response: Response): Promise<ApiError> {
   }
 }
 
-async function send(path: string, init: RequestInit): Promise<Response> {
+/** How a request goes on when its sign-in is not there any more. */
+interface Manner {
+  /** A person pressed something: the sign-in is asked for over the page. */
+  isByHand?: boolean;
+  /** Sent again with a new token: a second refusal stands. */
+  isAgain?: boolean;
+}
+
+async function send(path: string, init: RequestInit, manner: Manner = {}): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path, {
@@ -60,8 +88,9 @@ async function send(path: string, init: RequestInit): Promise<Response> {
   }
   if (response.ok) return response;
   const error = await errorOf(response);
-  const isChange = init.method !== undefined;
-  if (isSignInNeeded(error, path) && (await signInAgain(isChange))) return send(path, init);
+  if (isSignInNeeded(error, path) && (await signInAgain(manner.isByHand === true))) return send(path, init, manner);
+  if (isTokenOld(error) && !manner.isAgain && (await renewToken()))
+    return send(path, init, { ...manner, isAgain: true });
   throw error;
 }
 
@@ -81,15 +110,19 @@ async function json<T>(response: Response): Promise<T> {
   return (text ? await heard<T>(text) : undefined) as T;
 }
 
-function change(method: string) {
+function change(method: string, manner?: Manner) {
   return async <T>(path: string, body?: unknown, signal?: AbortSignal): Promise<T> =>
     json<T>(
-      await send(path, {
-        method,
-        signal,
-        headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
-        body: body === undefined ? undefined : JSON.stringify(body),
-      }),
+      await send(
+        path,
+        {
+          method,
+          signal,
+          headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
+          body: body === undefined ? undefined : JSON.stringify(body),
+        },
+        manner,
+      ),
     );
 }
 
@@ -128,6 +161,7 @@ async function all<T>(path: string, signal?: AbortSignal): Promise<T[]> {
   return found;
 }
 
+/** Questions, and changes that a page makes by itself. */
 export const api = {
   get: async <T>(path: string, signal?: AbortSignal): Promise<T> => json<T>(await send(path, { signal })),
   page,
@@ -142,8 +176,31 @@ export const api = {
   delete: change('DELETE'),
 };
 
+const BY_HAND = { isByHand: true };
+/** Changes that a person asked for: where the sign-in has ended, it is asked for over the page, and then they go on. */
+export const byHand = {
+  post: change('POST', BY_HAND),
+  put: change('PUT', BY_HAND),
+  patch: change('PATCH', BY_HAND),
+  delete: change('DELETE', BY_HAND),
+};
+
 /** Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. */
-export function upload<T>(
+export async function upload<T>(
+  path: string,
+  form: FormData,
+  onProgress: (share: number) => void,
+  signal?: AbortSignal,
+): Promise<T> {
+  try {
+    return await uploadOnce<T>(path, form, onProgress, signal);
+  } catch (error) {
+    if (!(error instanceof ApiError && isTokenOld(error) && (await renewToken()))) throw error;
+    return uploadOnce<T>(path, form, onProgress, signal);
+  }
+}
+
+function uploadOnce<T>(
   path: string,
   form: FormData,
   onProgress: (share: number) => void,

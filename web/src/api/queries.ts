@@ -8,7 +8,7 @@ import {
   queryOptions,
   type QueryClient,
 } from '@tanstack/react-query';
-import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
+import { api, ApiError, byHand, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { speakLanguage, wanted } from '../i18n/languages';
 import { forgetDrafts, forgetDraftsOfOthers } from '../lib/editing/drafts';
@@ -67,7 +67,7 @@ export const keys = {
 
 /** Take over who has signed in: the token of changes, and the language. */
 export async function acceptMe(me: Wire.Me): Promise<Wire.Me> {
-  setCsrfToken(me.csrf_token);
+  setCsrfToken(me.csrf_token, me.account_id);
   holdStoreKey(me.store_key);
   await speakLanguage(wanted(me.locale));
   return me;
@@ -202,7 +202,7 @@ export const usePatientWorries = (id: string) => useAll<Wire.Worry>(keys.worries
 export const useMarkSeen = (id: string) =>
   useChange(
     (shown: readonly Wire.Worry[]) =>
-      api.post<Wire.Worry[]>(`/api/patients/${id}/worries/seen`, {
+      byHand.post<Wire.Worry[]>(`/api/patients/${id}/worries/seen`, {
         worries: shown.map(({ session_id, kind, known_at }) => ({ session_id, kind, known_at })),
       }),
     () => [keys.worries(id), keys.caseload],
@@ -211,7 +211,7 @@ export const useMarkSeen = (id: string) =>
 export const useVersion = () => useGet<{ version: string }>(keys.version, '/api/health');
 export const useWriteCourseNote = (id: string, stored?: Stored) =>
   useChange(
-    (input: Wire.CourseNoteIn) => api.post<Wire.CourseNote>(`/api/patients/${id}/course-notes`, input),
+    (input: Wire.CourseNoteIn) => byHand.post<Wire.CourseNote>(`/api/patients/${id}/course-notes`, input),
     () => [['patients', id, 'course']],
     [],
     stored,
@@ -313,67 +313,68 @@ export function useJob(id: string | null, onEnd?: (job: Wire.Job) => void) {
 
 export const useAddPatient = (stored?: Stored) =>
   useChange(
-    (input: Wire.PatientIn) => api.post<Wire.Patient>('/api/patients', input),
+    (input: Wire.PatientIn) => byHand.post<Wire.Patient>('/api/patients', input),
     () => [keys.patients, keys.caseload],
     [],
     stored,
   );
 export const useEditPatient = (id: string, stored?: Stored) =>
   useChange(
-    (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
+    (input: Wire.PatientPatch) => byHand.patch<Wire.Patient>(`/api/patients/${id}`, input),
     () => [keys.patient(id), keys.caseload, keys.archived],
     [],
     stored,
   );
 export const useErasePatient = () =>
   useChange(
-    (id: string) => api.delete<void>(`/api/patients/${id}`, { confirmation: 'ERASE' }),
+    (id: string) => byHand.delete<void>(`/api/patients/${id}`, { confirmation: 'ERASE' }),
     () => [keys.caseload],
   );
 export const useAddAccount = () =>
   useChange(
-    (input: Wire.AccountIn) => api.post<Wire.Account>('/api/accounts', input),
+    (input: Wire.AccountIn) => byHand.post<Wire.Account>('/api/accounts', input),
     () => [keys.accounts],
   );
 export const useChangeAccount = () =>
   useChange(
-    ({ id, patch }: { id: string; patch: Wire.AccountPatch }) => api.patch<Wire.Account>(`/api/accounts/${id}`, patch),
+    ({ id, patch }: { id: string; patch: Wire.AccountPatch }) =>
+      byHand.patch<Wire.Account>(`/api/accounts/${id}`, patch),
     () => [keys.accounts],
   );
 export const useChangeClinic = () =>
   useChange(
-    (patch: Wire.ClinicPatch) => api.patch<Wire.Clinic>('/api/clinic', patch),
+    (patch: Wire.ClinicPatch) => byHand.patch<Wire.Clinic>('/api/clinic', patch),
     () => [keys.clinic, keys.patients, keys.caseload],
   );
 export const useNoteSecondFactor = () =>
   useChange(
-    () => api.post<void>('/api/me/second-factor/noted'),
+    () => byHand.post<void>('/api/me/second-factor/noted'),
     () => [keys.me],
   );
 export const useChangePassword = () =>
   useChange(
-    (input: Wire.PasswordIn) => api.post<void>('/api/me/password', input),
+    (input: Wire.PasswordIn) => byHand.post<void>('/api/me/password', input),
     () => [keys.me],
   );
 export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
 export const useBeginSecondFactor = () =>
   useChange(
-    (input: { password: string }) => api.post<Wire.SecondFactorSetup>('/api/me/second-factor', input),
+    (input: { password: string }) => byHand.post<Wire.SecondFactorSetup>('/api/me/second-factor', input),
     () => [],
   );
 export const useConfirmSecondFactor = () =>
   useChange(
-    (input: { code: string }) => api.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input),
+    (input: { code: string }) => byHand.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input),
     () => [keys.secondFactor, keys.me],
   );
 export const useRemoveSecondFactor = () =>
   useChange(
-    (input: { password: string }) => api.post<void>('/api/me/second-factor/remove', input),
+    (input: { password: string }) => byHand.post<void>('/api/me/second-factor/remove', input),
     () => [keys.secondFactor, keys.me],
   );
 export const usePrescribe = (id: string, stored?: Stored) =>
   useChange(
-    (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
+    (input: Wire.PrescriptionIn) => byHand.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
     () => [keys.prescriptions(id), keys.caseload],
     [],
     stored,
@@ -382,104 +383,104 @@ export const usePrescribe = (id: string, stored?: Stored) =>
 export const useChangePrescription = (id: string, stored?: Stored) =>
   useChange(
     ({ prescriptionId, ...input }: Wire.PrescriptionChangeIn & { prescriptionId: string }) =>
-      api.patch<Wire.Prescription>(`/api/prescriptions/${prescriptionId}`, input),
+      byHand.patch<Wire.Prescription>(`/api/prescriptions/${prescriptionId}`, input),
     () => [keys.prescriptions(id), keys.caseload],
     [keys.prescriptions(id)],
     stored,
   );
 export const useEndPrescription = (id: string) =>
   useChange(
-    (prescriptionId: string) => api.delete<void>(`/api/prescriptions/${prescriptionId}`),
+    (prescriptionId: string) => byHand.delete<void>(`/api/prescriptions/${prescriptionId}`),
     () => [keys.prescriptions(id), keys.caseload],
   );
 export const useGrant = (id: string) =>
   useChange(
-    (input: Wire.GrantIn) => api.post<Wire.Grant>(`/api/patients/${id}/grants`, input),
+    (input: Wire.GrantIn) => byHand.post<Wire.Grant>(`/api/patients/${id}/grants`, input),
     () => [keys.grants(id)],
   );
 export const useRevokeGrant = (id: string) =>
   useChange(
-    (grantId: string) => api.delete<void>(`/api/grants/${grantId}`),
+    (grantId: string) => byHand.delete<void>(`/api/grants/${grantId}`),
     () => [keys.grants(id)],
   );
 export const useAddDeviceToken = (id: string) =>
   useChange(
-    (input: Wire.DeviceTokenIn) => api.post<Wire.DeviceToken>(`/api/patients/${id}/device-tokens`, input),
+    (input: Wire.DeviceTokenIn) => byHand.post<Wire.DeviceToken>(`/api/patients/${id}/device-tokens`, input),
     () => [keys.deviceTokens(id)],
   );
 export const usePairingCode = (id: string) =>
   useChange(
-    (input: Wire.DeviceTokenIn) => api.post<Wire.PairingCode>(`/api/patients/${id}/pairing-codes`, input),
+    (input: Wire.DeviceTokenIn) => byHand.post<Wire.PairingCode>(`/api/patients/${id}/pairing-codes`, input),
     () => [],
   );
 export const useRevokeDeviceToken = (id: string) =>
   useChange(
-    (tokenId: string) => api.delete<void>(`/api/device-tokens/${tokenId}`),
+    (tokenId: string) => byHand.delete<void>(`/api/device-tokens/${tokenId}`),
     () => [keys.deviceTokens(id)],
   );
 export const useConsent = (id: string) =>
   useChange(
-    (input: Wire.ConsentIn) => api.put<unknown>(`/api/patients/${id}/consents`, input),
+    (input: Wire.ConsentIn) => byHand.put<unknown>(`/api/patients/${id}/consents`, input),
     () => [keys.consents(id)],
   );
 export const useAddExercise = () =>
   useChange(
-    (input: Wire.ExerciseIn) => api.post<Wire.Exercise>('/api/exercises', input),
+    (input: Wire.ExerciseIn) => byHand.post<Wire.Exercise>('/api/exercises', input),
     () => [keys.exercises],
   );
 export const useChangeExercise = (id: string) =>
   useChange(
-    (input: Wire.ExerciseChange) => api.patch<Wire.Exercise>(`/api/exercises/${id}`, input),
+    (input: Wire.ExerciseChange) => byHand.patch<Wire.Exercise>(`/api/exercises/${id}`, input),
     () => [keys.exercises],
   );
 export const useNewSession = (stored?: Stored) =>
   useChange(
-    (input: Wire.SessionIn) => api.post<Wire.SessionDetail>('/api/sessions', input),
+    (input: Wire.SessionIn) => byHand.post<Wire.SessionDetail>('/api/sessions', input),
     (input) => [keys.patientSessions(input.patient_id), keys.caseload],
     [],
     stored,
   );
 export const useDeleteSession = () =>
   useChange(
-    (session: { id: string; patient_id: string }) => api.delete<void>(`/api/sessions/${session.id}`),
+    (session: { id: string; patient_id: string }) => byHand.delete<void>(`/api/sessions/${session.id}`),
     (session) => [keys.patientSessions(session.patient_id), keys.caseload],
   );
 export const useMoveSession = (session: { id: string; patient_id: string }) =>
   useChange(
-    (input: Wire.SessionPatch) => api.patch<Wire.SessionDetail>(`/api/sessions/${session.id}`, input),
+    (input: Wire.SessionPatch) => byHand.patch<Wire.SessionDetail>(`/api/sessions/${session.id}`, input),
     () => [['sessions'], ['session'], ['patients'], keys.patientSessions(session.patient_id), keys.caseload],
   );
 export const useMergePatients = (id: string) =>
   useChange(
-    (input: Wire.MergeIn) => api.post<Wire.MergeOut>(`/api/patients/${id}/merge`, input),
+    (input: Wire.MergeIn) => byHand.post<Wire.MergeOut>(`/api/patients/${id}/merge`, input),
     () => [['patients'], keys.caseload],
   );
 export const useReprocess = (id: string) =>
   useChange(
-    (input: Wire.ReprocessIn) => api.post<Wire.Job>(`/api/sessions/${id}/reprocess`, input),
+    (input: Wire.ReprocessIn) => byHand.post<Wire.Job>(`/api/sessions/${id}/reprocess`, input),
     () => [keys.sessionJobs(id)],
   );
 export const useReprocessAll = (id: string) =>
   useChange(
-    () => api.post<Wire.Job[]>(`/api/sessions/${id}/reprocess-all`, {}),
+    () => byHand.post<Wire.Job[]>(`/api/sessions/${id}/reprocess-all`, {}),
     () => [keys.sessionJobs(id)],
   );
 export const useCompare = (id: string) =>
   useChange(
     (input: { template_version_id: string; result_id?: string | null }) =>
-      api.post<Wire.Comparison>(`/api/sessions/${id}/comparisons`, input),
+      byHand.post<Wire.Comparison>(`/api/sessions/${id}/comparisons`, input),
     () => [keys.comparisons(id)],
   );
 export const useSaveTemplate = () =>
   useChange(
-    (input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input),
+    (input: Wire.TemplateIn) => byHand.post<Wire.TemplateVersionDetail>('/api/templates', input),
     () => [['templates']],
   );
 /** What was drawn on a template, as its next version. */
 export const useDrawVersion = (templateId: string, stored?: Stored) =>
   useChange(
     (input: Wire.TemplateVersionIn) =>
-      api.post<Wire.TemplateVersionDetail>(`/api/templates/${templateId}/versions`, input),
+      byHand.post<Wire.TemplateVersionDetail>(`/api/templates/${templateId}/versions`, input),
     () => [['templates']],
     [],
     stored,
@@ -487,14 +488,14 @@ export const useDrawVersion = (templateId: string, stored?: Stored) =>
 /** Rename, tag, retire or restore a template. */
 export const useChangeTemplate = (id: string) =>
   useChange(
-    (input: Wire.TemplateChange) => api.patch<Wire.Template>(`/api/templates/${id}/entry`, input),
+    (input: Wire.TemplateChange) => byHand.patch<Wire.Template>(`/api/templates/${id}/entry`, input),
     () => [['templates']],
   );
 /** Copy a version as a new template; without an exercise, for the other side. */
 export const useCopyVersion = (versionId: string) =>
   useChange(
     (input: Wire.TemplateCopyIn) =>
-      api.post<Wire.TemplateVersionDetail>(`/api/template-versions/${versionId}/copies`, input),
+      byHand.post<Wire.TemplateVersionDetail>(`/api/template-versions/${versionId}/copies`, input),
     () => [['templates'], keys.exercises],
   );
 
@@ -503,8 +504,8 @@ const NO_IMPLANTS = { patient_has_no_implant: true, people_nearby_have_none: tru
 export const useNewSourceSession = () =>
   useChange(
     async (input: Wire.SessionIn) => {
-      const session = await api.post<Wire.SessionDetail>('/api/sessions', input);
-      await api
+      const session = await byHand.post<Wire.SessionDetail>('/api/sessions', input);
+      await byHand
         .post<Wire.MagneticSafety>(`/api/sessions/${session.id}/magnetic-safety`, NO_IMPLANTS)
         .catch(() => undefined);
       return session;
@@ -515,24 +516,24 @@ export const useMagneticSafety = (id: string, enabled: boolean) =>
   useGet<Wire.MagneticSafety>(keys.magneticSafety(id), `/api/sessions/${id}/magnetic-safety`, { enabled });
 export const useConfirmNoImplants = (id: string) =>
   useChange(
-    () => api.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, NO_IMPLANTS),
+    () => byHand.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, NO_IMPLANTS),
     () => [keys.magneticSafety(id), keys.session(id)],
   );
 export const useWithdrawSafety = (id: string) =>
   useChange(
-    () => api.delete<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`),
+    () => byHand.delete<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`),
     () => [keys.magneticSafety(id), keys.session(id)],
   );
 export const useMagneticSources = (enabled: boolean) =>
   useGet<Wire.MagneticSource[]>(keys.magneticSources, '/api/magnetic-sources', { enabled });
 export const useKeepSource = () =>
   useChange(
-    (source: Wire.MagneticSourceIn) => api.post<Wire.MagneticSource>('/api/magnetic-sources', source),
+    (source: Wire.MagneticSourceIn) => byHand.post<Wire.MagneticSource>('/api/magnetic-sources', source),
     () => [keys.magneticSources],
   );
 export const useRetireSource = () =>
   useChange(
-    (id: string) => api.delete<void>(`/api/magnetic-sources/${id}`),
+    (id: string) => byHand.delete<void>(`/api/magnetic-sources/${id}`),
     () => [keys.magneticSources],
   );
 export const useSourceStops = (id: string, enabled: boolean) =>
@@ -540,7 +541,7 @@ export const useSourceStops = (id: string, enabled: boolean) =>
 export const useCalibrateSource = (id: string) =>
   useChange(
     (wanted: Wire.SourceCalibrationIn) =>
-      api.post<Wire.MagneticSource>(`/api/sessions/${id}/source-calibration`, wanted),
+      byHand.post<Wire.MagneticSource>(`/api/sessions/${id}/source-calibration`, wanted),
     () => [keys.magneticSources],
   );
 export const useSourceUse = (id: string, resultId: string | null) =>

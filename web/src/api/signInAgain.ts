@@ -5,6 +5,7 @@ type Settle = (isSame: boolean) => void;
 type Show = (done: Settle) => void;
 
 let show: Show | null = null;
+let leave: ((account: string) => void) | null = null;
 let pending: Promise<boolean> | null = null;
 let settle: Settle | null = null;
 
@@ -13,14 +14,22 @@ export function giveUpSignIn(): void {
   settle?.(false);
 }
 
-/** Where the question is shown; returns how to end that. */
-export function showSignInAgain(how: Show): () => void {
+/** Where the question is shown, and how the page is left to another account; returns how to end that. */
+export function showSignInAgain(how: Show, leaveTo: (account: string) => void): () => void {
   show = how;
+  leave = leaveTo;
   return () => {
     if (show !== how) return;
     show = null;
+    leave = null;
     giveUpSignIn();
   };
+}
+
+/** Another account has signed in, here or in another tab: it sees nothing of this page, and nothing is sent in its name. */
+export function anotherSignedIn(account: string): void {
+  leave?.(account);
+  giveUpSignIn();
 }
 
 /**
@@ -28,10 +37,10 @@ export function showSignInAgain(how: Show): () => void {
  * away below the question. What a page asks for by itself raises the question only while something is not saved: otherwise the
  * page of the sign-in comes.
  */
-export function signInAgain(isChange: boolean): Promise<boolean> {
+export function signInAgain(isByHand: boolean): Promise<boolean> {
   if (pending) return pending;
   const ask = show;
-  if (!ask || !(isChange || hasUnsaved())) return Promise.resolve(false);
+  if (!ask || !(isByHand || hasUnsaved())) return Promise.resolve(false);
   pending = new Promise<boolean>((resolve) => {
     settle = (isSame) => {
       pending = null;

@@ -60,7 +60,8 @@ export async function endBrowserSession(signal: AbortSignal): Promise<void> {
   signal.addEventListener('abort', giveUp);
   try {
     // A page that was opened anew has no token.
-    setCsrfToken((await api.get<Me>('/api/me', within.signal)).csrf_token);
+    const me = await api.get<Me>('/api/me', within.signal);
+    setCsrfToken(me.csrf_token, me.account_id);
     await api.post('/api/sign-out', undefined, within.signal);
   } catch (error) {
     if (!isEnded(error)) throw error;

@@ -1,5 +1,6 @@
 // The frame around every page of a signed-in person: skip link, top bar, theme, sign-out.
 import { ActionIcon, Button, useComputedColorScheme, useMantineColorScheme } from '@mantine/core';
+import { useQueryClient } from '@tanstack/react-query';
 import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-react';
 import {
   cloneElement,
@@ -15,7 +16,9 @@ import { Link, Navigate, NavLink, Outlet, useLocation } from 'react-router';
 import { useMe } from '../api/queries';
 import { giveUpSignIn, showSignInAgain } from '../api/signInAgain';
 import { t } from '../i18n';
-import { hasUnsaved } from '../lib/editing/unsaved';
+import '../lib/browser/escape';
+import { forgetDraftsOfOthers } from '../lib/editing/drafts';
+import { hasUnsaved, releaseAll } from '../lib/editing/unsaved';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './account/IdleWatch';
 import { SecondFactorRemoved } from './account/SecondFactorRemoved';
@@ -78,8 +81,11 @@ export function Wordmark() {
   );
 }
 
+/** For another account: nothing of the first one's stays in memory. */
+const loadAnew = () => window.location.replace('/');
+
 /** Pages for signed-in people only; everybody else is sent to sign in and comes back afterwards. */
-export function Shell() {
+export function Shell({ startAnew = loadAnew }: { startAnew?: () => void }) {
   const me = useMe();
   const location = useLocation();
   const main = useRef<HTMLElement>(null);
@@ -87,7 +93,22 @@ export function Shell() {
   const [signOutNow, question] = useSignOut(me.data?.account_id ?? '', me.data?.role === 'patient');
   const [again, setAgain] = useState<((isSame: boolean) => void) | null>(null);
   const [asksSignOut, setAsksSignOut] = useState(false);
-  useEffect(() => showSignInAgain((done) => setAgain(() => done)), []);
+  const client = useQueryClient();
+  const [isAnothers, setAnothers] = useState(false);
+  useEffect(
+    () =>
+      showSignInAgain(
+        (done) => setAgain(() => done),
+        (account) => {
+          releaseAll();
+          forgetDraftsOfOthers(account);
+          setAnothers(true);
+          client.clear();
+          startAnew();
+        },
+      ),
+    [client, startAnew],
+  );
   const isNobody = me.data === null;
   useEffect(() => {
     if (!isNobody) return;
@@ -106,6 +127,14 @@ export function Shell() {
     main.current?.focus({ preventScroll: true });
   }, [location.pathname]);
 
+  // Until everything is loaded anew, another account sees nothing of the first one's page.
+  if (isAnothers) {
+    return (
+      <div className="page">
+        <Waiting lines={6} height={34} />
+      </div>
+    );
+  }
   // Said at the first failure: the tries that follow take their time.
   const problem = me.data === undefined ? me.failureReason : null;
   if (problem) {

@@ -3,7 +3,7 @@ import { Button, Checkbox, Group, NumberInput, Progress, Select, Switch } from '
 import { useMutation } from '@tanstack/react-query';
 import { useRef, useState, type FormEvent } from 'react';
 import { useSearchParams } from 'react-router';
-import { api, upload } from '../api/client';
+import { byHand, upload } from '../api/client';
 import { useEstimators, useExercises, useFormats, useJob, usePatients, useSession } from '../api/queries';
 import type { Format, GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
@@ -90,7 +90,7 @@ export function UploadPage() {
   const newest = useRef(0);
   const look = useMutation({
     mutationFn: async ({ chosen, asked }: { chosen: File; asked: Pipeline | null; turn: number }) =>
-      api.post<TablePreview>('/api/uploads/preview', {
+      byHand.post<TablePreview>('/api/uploads/preview', {
         file_name: chosen.name.slice(-200),
         beginning: await beginningOf(chosen),
         pipeline: asked,

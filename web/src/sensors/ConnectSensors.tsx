@@ -4,7 +4,7 @@ import { IconBluetooth, IconDeviceMobile, IconRouter } from '@tabler/icons-react
 import { useMutation } from '@tanstack/react-query';
 import { lazy, Suspense, useState, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
-import { api } from '../api/client';
+import { byHand } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t, withinSentence } from '../i18n';
@@ -78,7 +78,7 @@ function Choice({ ways, title, onChoose }: { ways: readonly Way[]; title: string
 /** A phone is one sensor: a session that expects more is begun anew with one, and the empty one ended. */
 async function sessionFor(session: SessionDetail, place: Placement): Promise<SessionDetail> {
   if (session.placements.length === 1) return session;
-  const made = await api.post<SessionDetail>('/api/sessions', {
+  const made = await byHand.post<SessionDetail>('/api/sessions', {
     patient_id: session.patient_id,
     exercise_id: session.exercise_id,
     prescription_id: session.prescription_id,
@@ -87,7 +87,7 @@ async function sessionFor(session: SessionDetail, place: Placement): Promise<Ses
     // How a clinic's sensor sat says nothing about a phone.
     use_mounting: false,
   });
-  await api.post<unknown>(`/api/sessions/${session.id}/close`);
+  await byHand.post<unknown>(`/api/sessions/${session.id}/close`);
   return made;
 }
 

@@ -1,6 +1,6 @@
 import { NativeSelect } from '@mantine/core';
 import { useState } from 'react';
-import { api } from '../../api/client';
+import { byHand } from '../../api/client';
 import { t } from '../../i18n';
 import { chooseHere, chosenHere, isLanguage, LANGUAGES, type Language } from '../../i18n/languages';
 import { Problem } from '../Feedback';
@@ -22,7 +22,7 @@ export function LanguageChoice({ account }: LanguageChoiceProps) {
   const choose = async (language: Language | '') => {
     setChoice(language);
     try {
-      if (account !== null) await api.patch('/api/me', { locale: language });
+      if (account !== null) await byHand.patch('/api/me', { locale: language });
       chooseHere(language);
       window.location.reload();
     } catch (error) {

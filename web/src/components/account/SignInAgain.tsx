@@ -1,26 +1,24 @@
 // Signing in again over a page whose sign-in has ended: the page stays as it is and cannot be read meanwhile.
 import { Button, Group, Modal } from '@mantine/core';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { useEffect } from 'react';
 import { api } from '../../api/client';
 import { acceptMe, keys } from '../../api/queries';
+import { anotherSignedIn } from '../../api/signInAgain';
 import type { Me, SignInRequest } from '../../api/types';
 import { t } from '../../i18n';
-import { forgetDrafts } from '../../lib/editing/drafts';
-import { releaseAll } from '../../lib/editing/unsaved';
+import { holdEscape } from '../../lib/browser/escape';
 import { Problem } from '../Feedback';
 import { isCodeAsked, useSignInFields } from './SignInFields';
 
 export default function SignInAgain({
   me,
   onDone,
-  startAnew = () => window.location.replace('/'),
 }: {
   /** Who was signed in. */
   me: Me;
   /** Called with whether it is the same account again. */
   onDone: (isSame: boolean) => void;
-  /** Load everything anew for another account: nothing of the first one's stays in memory. */
-  startAnew?: () => void;
 }) {
   const client = useQueryClient();
   const { request, fields, onError } = useSignInFields(me.email);
@@ -28,11 +26,7 @@ export default function SignInAgain({
     mutationFn: (wanted: SignInRequest) => api.post<Me>('/api/sign-in', wanted),
     onSuccess: async (now) => {
       if (now.account_id !== me.account_id) {
-        releaseAll();
-        forgetDrafts();
-        onDone(false);
-        client.clear();
-        startAnew();
+        anotherSignedIn(now.account_id);
         return;
       }
       client.setQueryData(keys.me, await acceptMe(now));
@@ -40,6 +34,8 @@ export default function SignInAgain({
     },
     onError,
   });
+  // A form below that is a dialog too would close and lose what is in it.
+  useEffect(holdEscape, []);
   const leave = () => {
     onDone(false);
     client.setQueryData(keys.me, null);

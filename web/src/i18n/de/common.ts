@@ -107,7 +107,7 @@ export const common: Translated<typeof english> = {
   'signIn.endedIdle':
     'Sie wurden abgemeldet, weil diese Seite eine Weile nicht benutzt wurde. Sitzungen, die gerade übertragen wurden, laufen ohne sie weiter.',
   'idle.warning':
-    'Sie werden bald abgemeldet: Diese Seite wurde seit fast {minutes} Minuten nicht benutzt. Bewegen Sie die Maus, berühren Sie den Bildschirm oder drücken Sie eine Taste, um angemeldet zu bleiben.',
+    'Sie werden bald abgemeldet: Diese Seite wurde seit fast {minutes} Minuten nicht benutzt. Bewegen Sie die Maus, berühren Sie den Bildschirm oder drücken Sie eine Taste, um angemeldet zu bleiben. Beim Abmelden wird entfernt, was Sie eingegeben und nicht gespeichert haben.',
   'signOut.unsent': 'Ein Teil Ihrer Bewegung ist noch nicht gesendet',
   'signOut.unsentText':
     'Nur auf diesem Gerät gespeichert: {seconds}. Niemand sonst kann das hier lesen. Wenn Sie sich auf diesem Gerät wieder anmelden, wird es an Ihre Praxis gesendet; nach vier Wochen wird es gelöscht. Soll es vorher gesendet werden, bleiben Sie mit Verbindung angemeldet, bis der Hinweis auf der Seite „Heute“ verschwindet.',

@@ -100,7 +100,7 @@ export const common = {
   'signIn.endedIdle':
     'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
   'idle.warning':
-    'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
+    'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay. Signing out removes what you typed and did not save.',
   'signOut.unsent': 'Some of your movement is not sent yet',
   'signOut.unsentText':
     'Still only on this device: {seconds} of movement. Nobody else can read it here. When you sign in again on this device it is sent to your clinic; after four weeks it is deleted. To send it first, stay signed in with a connection until it is gone from the page “Today”.',

@@ -2,7 +2,7 @@
 import { Button, Group } from '@mantine/core';
 import { useMutation } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
-import { api } from '../../api/client';
+import { byHand } from '../../api/client';
 import measures from '../../api/measures.json';
 import { keys, useGet } from '../../api/queries';
 import type { Named } from '../../api/types';
@@ -28,7 +28,7 @@ function Tests({ session, isRecording, mayRecord }: LiveProps) {
   const [done, setDone] = useState<Partial<Record<Condition, number>>>({});
   const [nowMs, setNowMs] = useState(0);
   const mark = useMutation({
-    mutationFn: (label: string) => api.post<unknown>(`/api/sessions/${session.id}/mark`, { label }),
+    mutationFn: (label: string) => byHand.post<unknown>(`/api/sessions/${session.id}/mark`, { label }),
     onSuccess: (_, label) => {
       if (running) setDone((before) => ({ ...before, [running.condition]: (before[running.condition] ?? 0) + 1 }));
       const started = CONDITIONS.find((one) => one === label);

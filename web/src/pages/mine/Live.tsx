@@ -11,7 +11,7 @@ import {
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { Link, useParams } from 'react-router';
-import { api } from '../../api/client';
+import { byHand } from '../../api/client';
 import { keys, useExercises, useGrants, useSession } from '../../api/queries';
 import type { CalibrationMessage, HealthMessage, Placement, PlayerState, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
@@ -182,10 +182,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   }, [records]);
   const deed = useMutation({
     mutationFn: async (what: 'record' | 'end') => {
-      if (what === 'record') return api.post<unknown>(`/api/sessions/${session.id}/record`);
-      if (records) await api.post<unknown>(`/api/sessions/${session.id}/stop`);
+      if (what === 'record') return byHand.post<unknown>(`/api/sessions/${session.id}/record`);
+      if (records) await byHand.post<unknown>(`/api/sessions/${session.id}/stop`);
       if (!(await sendRest(session.id))) throw new StillSending();
-      return api.post<unknown>(`/api/sessions/${session.id}/close`);
+      return byHand.post<unknown>(`/api/sessions/${session.id}/close`);
     },
     onSettled: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
   });

@@ -1,11 +1,11 @@
 // What is typed and not saved: asked for before leaving, offered on coming back, gone after saving and signing out.
-import { MantineProvider } from '@mantine/core';
+import { MantineProvider, Modal } from '@mantine/core';
 import { QueryClient, QueryClientProvider, QueryObserver } from '@tanstack/react-query';
 import { act, fireEvent, render, screen, waitFor } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { api, setCsrfToken } from '../../../src/api/client';
+import { api, byHand, setCsrfToken } from '../../../src/api/client';
 import { forgetEverything, keys } from '../../../src/api/queries';
 import type { Patient } from '../../../src/api/types';
 import { PatientForm } from '../../../src/components/forms/PatientForm';
@@ -197,22 +197,23 @@ it('shows nobody the draft of another account', () => {
   expect(screen.queryByText(/^You began to change this/)).toBeNull();
 });
 
+const refusedOf = (asking: Promise<unknown>) =>
+  asking.then(
+    () => 'answered',
+    (error: { status: number }) => error.status,
+  );
+
 const ENDED = { code: 'sign_in_required', message: 'Sign in again to continue.', details: {} };
 
-/** The whole frame around a form whose sign-in has ended; `account` signs in over it. */
-async function endedOver(account: string) {
-  let isEnded = true;
+/** The whole frame around a form; `answer` says what the service answers. */
+function framed(answer: (what: string, path: string, token: string) => Response) {
+  const startAnew = vi.fn();
   const asked: string[] = [];
   vi.stubGlobal('fetch', (path: string, init: RequestInit = {}) => {
     const what = `${init.method ?? 'GET'} ${path}`;
-    asked.push(`${what} ${new Headers(init.headers).get('X-CSRF-Token') ?? ''}`.trim());
-    if (what === 'POST /api/sign-in') {
-      isEnded = false;
-      return Promise.resolve(Response.json({ ...THERAPIST, account_id: account, csrf_token: 'second' }));
-    }
-    if (isEnded) return Promise.resolve(Response.json(ENDED, { status: 401 }));
-    const now = { ...THERAPIST, account_id: account, csrf_token: 'second' };
-    return Promise.resolve(path === '/api/me' ? Response.json(now) : Response.json({ id: 'p' }, { status: 201 }));
+    const token = new Headers(init.headers).get('X-CSRF-Token') ?? '';
+    asked.push(`${what} ${token}`.trim());
+    return Promise.resolve(answer(what, path, token));
   });
   const frozen = { addEventListener: () => undefined, removeEventListener: () => undefined };
   vi.stubGlobal('matchMedia', () => ({
@@ -224,12 +225,12 @@ async function endedOver(account: string) {
   vi.spyOn(window, 'scrollTo').mockImplementation(() => undefined);
   const client = new QueryClient({ defaultOptions: { queries: { retry: false } } });
   client.setQueryData(keys.me, THERAPIST);
-  setCsrfToken('first');
+  setCsrfToken('first', THERAPIST.account_id);
   const router = createMemoryRouter(
     [
       {
         path: '/',
-        element: <Shell />,
+        element: <Shell startAnew={startAnew} />,
         children: [
           { path: 'patients/new', element: <PatientNewPage /> },
           { path: '*', element: <p>elsewhere</p> },
@@ -247,10 +248,22 @@ async function endedOver(account: string) {
     </MantineProvider>,
   );
   type('Family name', 'Berg');
+  return { asked, client, router, startAnew, view };
+}
+
+/** The frame around a form whose sign-in has ended; `account` signs in over it. */
+async function endedOver(account: string) {
+  let isEnded = true;
+  const now = { ...THERAPIST, account_id: account, csrf_token: 'second' };
+  const frame = framed((what, path) => {
+    if (what === 'POST /api/sign-in') isEnded = false;
+    if (isEnded) return Response.json(ENDED, { status: 401 });
+    return /sign-in$|me$/.test(path) ? Response.json(now) : Response.json({ id: 'p' }, { status: 201 });
+  });
   fireEvent.click(screen.getByRole('button', { name: 'Save' }));
   const dialog = await screen.findByRole('dialog', { name: 'Sign in again' });
   expect(screen.getByRole<HTMLInputElement>('textbox', { name: 'Family name', hidden: true }).value).toBe('Berg');
-  return { asked, client, dialog, router, view };
+  return { ...frame, dialog };
 }
 
 it('signs in over a form, which stays, and goes on with the save', async () => {
@@ -266,10 +279,15 @@ it('signs in over a form, which stays, and goes on with the save', async () => {
 });
 
 it('saves nothing in the name of another account, which gets neither form nor draft', async () => {
-  const { asked } = await endedOver('another');
+  const { asked, startAnew } = await endedOver('another');
+  const waiting = refusedOf(byHand.delete('/api/grants/g'));
   fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'hers' } });
   await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
-  await waitFor(() => expect(hasUnsaved()).toBe(false));
+  await waitFor(() => expect(startAnew).toHaveBeenCalled());
+  expect(hasUnsaved()).toBe(false);
+  expect(await waiting).toBe(401);
+  expect(screen.queryByRole('textbox', { hidden: true }), 'the page is blank until it is loaded anew').toBeNull();
+  expect(screen.queryByText(THERAPIST.display_name)).toBeNull();
   await new Promise((done) => setTimeout(done, 50));
   expect(asked.filter((one) => one.startsWith('POST /api/patients'))).toEqual(['POST /api/patients first']);
   window.dispatchEvent(new Event('pagehide'));
@@ -281,12 +299,6 @@ it('leads to the page of the sign-in when somebody leaves the form there', async
   await userEvent.click(screen.getByRole('button', { name: 'Leave the page' }));
   await waitFor(() => expect(router.state.location.pathname).toBe('/sign-in'));
 });
-
-const refusedOf = (asking: Promise<unknown>) =>
-  asking.then(
-    () => 'answered',
-    (error: { status: number }) => error.status,
-  );
 
 it('refuses what waits for a sign-in when the frame goes or nobody is signed in, and asks again the next time', async () => {
   const first = await endedOver(THERAPIST.account_id);
@@ -315,4 +327,71 @@ it('leaves the question open when the page asks for something by itself, though 
   fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'mine' } });
   await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
   expect(await poll).toBeTruthy();
+});
+
+it('asks for the sign-in over a page only for what a person pressed', async () => {
+  framed(() => Response.json(ENDED, { status: 401 }));
+  act(() => releaseAll());
+  expect(await refusedOf(api.post('/api/sessions/s/ticket'))).toBe(401);
+  expect(screen.queryByRole('dialog')).toBeNull();
+  void refusedOf(byHand.post('/api/sessions/s/stop'));
+  expect(await screen.findByRole('dialog', { name: 'Sign in again' })).toBeTruthy();
+});
+
+it('leaves a form open that is a dialog itself, when Escape is pressed in the question over it', async () => {
+  const close = vi.fn();
+  framed(() => Response.json(ENDED, { status: 401 }));
+  const form = (title: string) => (
+    <MantineProvider env="test">
+      <Modal opened onClose={close} title={title}>
+        words
+      </Modal>
+    </MantineProvider>
+  );
+  const below = render(form('Below'));
+  void refusedOf(byHand.post('/api/patients'));
+  const password = await screen.findByLabelText('Password');
+  below.rerender(form('Below, drawn again'));
+  fireEvent.keyDown(password, { key: 'Escape' });
+  expect(close).not.toHaveBeenCalled();
+  await userEvent.click(screen.getByRole('button', { name: 'Leave the page' }));
+  await screen.findByText('the page of the sign-in');
+  fireEvent.keyDown(document.body, { key: 'Escape' });
+  expect(close).toHaveBeenCalledOnce();
+});
+
+const OLD_TOKEN = { code: 'not_allowed', message: 'read it again', details: { header: 'X-CSRF-Token' } };
+
+/** Save while another tab has signed in as `account`. */
+function signedInElsewhere(account: string) {
+  const frame = framed((_, path, token) => {
+    if (path === '/api/me') return Response.json({ ...THERAPIST, account_id: account, csrf_token: 'second' });
+    return token === 'second' ? Response.json({ id: 'p' }, { status: 201 }) : Response.json(OLD_TOKEN, { status: 403 });
+  });
+  fireEvent.click(screen.getByRole('button', { name: 'Save' }));
+  return frame;
+}
+
+it('saves with the token of the sign-in that the same account made in another tab', async () => {
+  const { asked, router } = signedInElsewhere(THERAPIST.account_id);
+  await waitFor(() => expect(router.state.location.pathname).toBe('/patients/p'));
+  expect(asked.filter((one) => one.startsWith('POST'))).toEqual([
+    'POST /api/patients first',
+    'POST /api/patients second',
+  ]);
+});
+
+it('sends a change once more only, and leaves the page to another account of another tab', async () => {
+  const { asked, startAnew, view } = signedInElsewhere('another');
+  await waitFor(() => expect(startAnew).toHaveBeenCalled());
+  expect(screen.queryByRole('textbox', { hidden: true })).toBeNull();
+  expect(drafts()).toEqual([]);
+  expect(asked.filter((one) => one.startsWith('POST'))).toEqual(['POST /api/patients first']);
+  view.unmount();
+
+  const refused = framed((_, path) =>
+    path === '/api/me' ? Response.json(THERAPIST) : Response.json(OLD_TOKEN, { status: 403 }),
+  );
+  expect(await refusedOf(byHand.post('/api/patients'))).toBe(403);
+  expect(refused.asked.filter((one) => one.startsWith('POST'))).toHaveLength(2);
 });

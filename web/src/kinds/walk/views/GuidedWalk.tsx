@@ -3,7 +3,7 @@ import { Button } from '@mantine/core';
 import { IconPlayerRecordFilled, IconPlayerStopFilled } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
-import { api } from '../../../api/client';
+import { byHand } from '../../../api/client';
 import { keys } from '../../../api/queries';
 import type { SessionDetail, SessionState, StateMessage } from '../../../api/types';
 import { Problem } from '../../../components/Feedback';
@@ -106,7 +106,7 @@ export function GuidedWalk(props: GuidedWalkProps) {
   const client = useQueryClient();
   const now = useNow(props);
   const deed = useMutation({
-    mutationFn: (what: 'record' | 'stop') => api.post<unknown>(`/api/sessions/${session.id}/${what}`),
+    mutationFn: (what: 'record' | 'stop') => byHand.post<unknown>(`/api/sessions/${session.id}/${what}`),
     onSuccess: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
   });
   const stored =

@@ -3,7 +3,7 @@ import { Button, Textarea } from '@mantine/core';
 import { IconCheck } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState } from 'react';
-import { api } from '../../../api/client';
+import { byHand } from '../../../api/client';
 import { keys, useAnswers, useProgress } from '../../../api/queries';
 import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
 import { t } from '../../../i18n';
@@ -76,7 +76,7 @@ export default function After({ session, guidance }: { session: SessionDetail; g
   const stored = useAnswers(session.id);
   const [said, setSaid] = useState<AnswersIn>({});
   const send = useMutation({
-    mutationFn: () => api.put<Answers>(path, said),
+    mutationFn: () => byHand.put<Answers>(path, said),
     onSuccess: (answers) => client.setQueryData(keys.answers(session.id), answers),
   });
   const isHurt = hasHurt(session, guidance);

@@ -1,7 +1,7 @@
 // What holds an exercise up: the patient's own wish at once, whatever the network does, and what the service says.
 import { useMutation } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
-import { api } from '../../../api/client';
+import { byHand } from '../../../api/client';
 import type { GuidanceMessage } from '../../../api/types';
 
 type Command = 'pause' | 'resume' | 'pain' | 'stop';
@@ -44,7 +44,7 @@ const AGAIN_MS = 2000;
 export function useHold(sessionId: string, guidance: GuidanceMessage | null): Hold {
   const [wish, setWish] = useState<'person' | 'finish' | 'pain' | null>(null);
   const { mutate, isPending, isError, variables } = useMutation({
-    mutationFn: (command: Command) => api.post<GuidanceMessage>(`/api/sessions/${sessionId}/guidance`, { command }),
+    mutationFn: (command: Command) => byHand.post<GuidanceMessage>(`/api/sessions/${sessionId}/guidance`, { command }),
     onSuccess: (_, command) => {
       if (command === 'resume') setWish(null);
     },

@@ -2,7 +2,7 @@ import { Button } from '@mantine/core';
 import { IconAntenna } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
 import { Link } from 'react-router';
-import { api, socketUrl } from '../../../api/client';
+import { byHand, socketUrl } from '../../../api/client';
 import type { SessionDetail, Ticket } from '../../../api/types';
 import { CopyBox } from '../../../components/CopyBox';
 import { Problem } from '../../../components/Feedback';
@@ -15,7 +15,7 @@ import { placementList } from '../../../lib/channels';
 export function ConnectHelp({ session }: { session: SessionDetail }) {
   const me = useSignedIn();
   const ticket = useMutation({
-    mutationFn: () => api.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
+    mutationFn: () => byHand.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
   });
   const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
   const simulate = [

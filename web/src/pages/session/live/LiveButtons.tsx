@@ -3,7 +3,7 @@ import { Button, Group, TextInput } from '@mantine/core';
 import { IconFlag, IconPlayerRecordFilled, IconPlayerStopFilled } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState, type FormEvent } from 'react';
-import { api } from '../../../api/client';
+import { byHand } from '../../../api/client';
 import { keys } from '../../../api/queries';
 import type { SessionState } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
@@ -24,12 +24,12 @@ export interface LiveButtonsProps {
 export function LiveButtons({ sessionId, state, isRecording, isGuided = false }: LiveButtonsProps) {
   const client = useQueryClient();
   const deed = useMutation({
-    mutationFn: (what: Deed) => api.post<unknown>(`/api/sessions/${sessionId}/${what}`),
+    mutationFn: (what: Deed) => byHand.post<unknown>(`/api/sessions/${sessionId}/${what}`),
     onSuccess: () => client.invalidateQueries({ queryKey: keys.session(sessionId) }),
   });
   const [note, setNote] = useState('');
   const mark = useMutation({
-    mutationFn: (text: string) => api.post<unknown>(`/api/sessions/${sessionId}/mark`, { text }),
+    mutationFn: (text: string) => byHand.post<unknown>(`/api/sessions/${sessionId}/mark`, { text }),
     onSuccess: () => setNote(''),
   });
   const submitMark = (event: FormEvent) => {
