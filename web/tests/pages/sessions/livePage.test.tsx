@@ -13,7 +13,7 @@ import { JointCurves } from '../../../src/kinds/JointCurves';
 import type { LiveProps } from '../../../src/kinds/kind';
 import { isUnchecked } from '../../../src/lib/calibration';
 import { InForce } from '../../../src/pages/calibration/InForce';
-import { SensorLine } from '../../../src/pages/session/live/HealthPanel';
+import { HealthPanel, SensorLine } from '../../../src/pages/session/live/HealthPanel';
 import { AnalysisWait } from '../../../src/pages/session/AnalysisWait';
 import { SessionPanel } from '../../../src/pages/patient/SessionPanel';
 import { sessionTitle } from '../../../src/lib/sessions';
@@ -158,4 +158,18 @@ it('calls a session by one name, in the list and on its page', async () => {
     },
   });
   expect(await screen.findByText('Distance by magnetic source')).toBeTruthy();
+});
+
+it('says of a session without calibration that it has none, with no sign that all is well', () => {
+  const unknown = sensor('sternum', { heading_trusted: false, is_starting: true });
+  const { container } = renderPage(
+    <>
+      <SensorLine health={health(unknown)} isUncalibrated />
+      <HealthPanel health={health(unknown)} placements={['sternum']} isUncalibrated />
+    </>,
+    { answers: {} },
+  );
+  expect(screen.getAllByText('Not calibrated yet')).toHaveLength(2);
+  expect(screen.queryByText(/Starting/)).toBeNull();
+  expect(container.querySelector('.tabler-icon-check')).toBeNull();
 });

@@ -87,6 +87,7 @@ export const session: Translated<typeof english> = {
   'health.allGood': { one: '{count} Sensor gut', other: '{count} Sensoren gut' },
   'health.line': '{places}: {trouble}',
   'health.more': { one: 'und ein weiterer', other: 'und {count} weitere' },
+  'health.uncalibrated': 'Noch nicht kalibriert',
   'health.starting': 'Startet, Richtung noch nicht bekannt',
   'health.waiting': 'Wartet',
   'health.unknown': 'Im Moment nicht bekannt',

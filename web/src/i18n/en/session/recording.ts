@@ -83,6 +83,7 @@ export const session = {
   'health.allGood': { one: '{count} sensor good', other: '{count} sensors good' },
   'health.line': '{places}: {trouble}',
   'health.more': { one: 'and one more', other: 'and {count} more' },
+  'health.uncalibrated': 'Not calibrated yet',
   'health.starting': 'Starting, direction not known yet',
   'health.waiting': 'Waiting',
   'health.unknown': 'Not known at the moment',

@@ -1,5 +1,5 @@
 // How each sensor does: quiet while all is well, plain words when a hand is needed, numbers on request.
-import { IconAlertTriangle, IconCheck, IconMagnet, IconWifiOff } from '@tabler/icons-react';
+import { IconAlertTriangle, IconCheck, IconCircleDashed, IconMagnet, IconWifiOff } from '@tabler/icons-react';
 import type { HealthMessage, Placement, SensorHealth } from '../../../api/types';
 import { t } from '../../../i18n';
 import { placementLabel, placementList } from '../../../lib/channels';
@@ -71,14 +71,35 @@ function TroubleLines({ list }: { list: readonly Trouble[] }) {
   );
 }
 
-function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Trouble[] }) {
+/** Not good yet, and nothing is wrong: before the calibration the direction cannot be known, however long it takes. */
+function NotYet({ isUncalibrated }: { isUncalibrated: boolean }) {
+  return (
+    <>
+      <IconCircleDashed size={17} aria-hidden /> {t(isUncalibrated ? 'health.uncalibrated' : 'health.starting')}
+    </>
+  );
+}
+
+function Sensor({
+  sensor,
+  shared,
+  isUncalibrated,
+}: {
+  sensor: SensorHealth;
+  shared: readonly Trouble[];
+  isUncalibrated: boolean;
+}) {
   const wrong = troubles(sensor).filter((one) => !shared.some((other) => other.text === one.text));
   return (
     <li className={wrong.some((one) => one.isUrgent) ? 'sensor sensor-urgent' : 'sensor'}>
       <span className="sensor-name">{placementLabel(sensor.placement)}</span>
-      {wrong.length === 0 && shared.length > 0 ? null : wrong.length === 0 ? (
+      {wrong.length === 0 && shared.length > 0 ? null : wrong.length === 0 && isUnknown(sensor) ? (
+        <span className="muted">
+          <NotYet isUncalibrated={isUncalibrated} />
+        </span>
+      ) : wrong.length === 0 ? (
         <span className="sensor-good">
-          <IconCheck size={17} aria-hidden /> {t(isUnknown(sensor) ? 'health.starting' : 'health.good')}
+          <IconCheck size={17} aria-hidden /> {t('health.good')}
         </span>
       ) : (
         <TroubleLines list={wrong} />
@@ -88,7 +109,14 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
 }
 
 /** What needs a hand, beside the delay: the cards of the sensors stand below the picture. */
-export function SensorLine({ health }: { health: HealthMessage | null }) {
+export function SensorLine({
+  health,
+  isUncalibrated = false,
+}: {
+  health: HealthMessage | null;
+  /** The session waits for its calibration. */
+  isUncalibrated?: boolean;
+}) {
   if (!health) return null;
   const wrong = health.sensors
     .map((one) => ({ place: one.placement, list: troubles(one) }))
@@ -99,8 +127,13 @@ export function SensorLine({ health }: { health: HealthMessage | null }) {
   if (!first)
     return (
       <span className="live-sensors muted">
-        <IconCheck size={17} aria-hidden />{' '}
-        {health.sensors.some(isUnknown) ? t('health.starting') : t('health.allGood', { count: health.sensors.length })}
+        {health.sensors.some(isUnknown) ? (
+          <NotYet isUncalibrated={isUncalibrated} />
+        ) : (
+          <>
+            <IconCheck size={17} aria-hidden /> {t('health.allGood', { count: health.sensors.length })}
+          </>
+        )}
       </span>
     );
   const same = said.filter((one) => one.list[0]?.text === first.text);
@@ -120,10 +153,12 @@ export function HealthPanel({
   health: reported,
   placements,
   isOutOfReach = false,
+  isUncalibrated = false,
 }: {
   health: HealthMessage | null;
   placements: readonly Placement[];
   isOutOfReach?: boolean;
+  isUncalibrated?: boolean;
 }) {
   // What was good a while ago may not be now.
   const health = isOutOfReach ? null : reported;
@@ -147,7 +182,7 @@ export function HealthPanel({
           )}
           <ul className="plain-list sensors">
             {health.sensors.map((sensor) => (
-              <Sensor key={sensor.placement} sensor={sensor} shared={shared} />
+              <Sensor key={sensor.placement} sensor={sensor} shared={shared} isUncalibrated={isUncalibrated} />
             ))}
           </ul>
           <details className="as-table">

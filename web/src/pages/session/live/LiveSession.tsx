@@ -147,7 +147,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         {!isOver && (
           <div className="live-now">
             <Repetitions guidance={snapshot.guidance} isKnown={isOpen} />
-            <SensorLine health={isOpen ? snapshot.health : null} />
+            <SensorLine health={isOpen ? snapshot.health : null} isUncalibrated={isUnset} />
             <Delay snapshot={snapshot} />
           </div>
         )}
@@ -224,6 +224,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               health={snapshot.health}
               placements={wornPlacements(session)}
               isOutOfReach={snapshot.connection === 'lost'}
+              isUncalibrated={isUnset}
             />
             {state === 'ready' && kind.needsPose && calibration && mayRecord && !panel && (
               <InForce
