@@ -66,8 +66,16 @@ function useDrawn(frame: RefObject<HTMLIFrameElement | null>, key: string, isOpe
 
 /** The body in 3D, or flat where this browser cannot. */
 export function Viewer3D(props: Viewer3DProps) {
-  const [can, setCan] = useState(canDraw3D);
-  if (can) return <Solid {...props} onLost={() => setCan(false)} />;
+  const [can] = useState(canDraw3D);
+  const [isLost, setLost] = useState(false);
+  useEffect(() => {
+    if (!isLost) return;
+    // Whoever comes back may have the graphics card again.
+    const tryAgain = () => document.visibilityState === 'visible' && setLost(!canDraw3D());
+    document.addEventListener('visibilitychange', tryAgain);
+    return () => document.removeEventListener('visibilitychange', tryAgain);
+  }, [isLost]);
+  if (can && !isLost) return <Solid {...props} onLost={() => setLost(true)} />;
   return (
     <Suspense fallback={<div className="viewer-box flat" />}>
       {props.player && <FlatFigure player={props.player} title={props.title} isPlain={props.isPlain} />}

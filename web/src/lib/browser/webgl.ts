@@ -18,16 +18,36 @@ export function canDraw3D(): boolean {
 export function whenLostForGood(frame: HTMLIFrameElement, tell: () => void): void {
   const page = frame.contentDocument;
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let isLost = false;
+  // A device that is locked, or shows another page, takes the card away and gives it back to the page that is seen.
+  const count = () => {
+    clearTimeout(timer);
+    if (!frame.isConnected || frame.contentDocument !== page) isLost = false;
+    if (!isLost) document.removeEventListener('visibilitychange', count);
+    else if (document.visibilityState === 'visible')
+      timer = setTimeout(() => {
+        document.removeEventListener('visibilitychange', count);
+        if (frame.isConnected && frame.contentDocument === page) tell();
+      }, BACK_WITHIN_MS);
+  };
   // Both stop at the canvas: they are heard on their way down.
   page?.addEventListener(
     'webglcontextlost',
     () => {
-      clearTimeout(timer);
-      timer = setTimeout(() => frame.isConnected && tell(), BACK_WITHIN_MS);
+      isLost = true;
+      document.addEventListener('visibilitychange', count);
+      count();
     },
     true,
   );
-  page?.addEventListener('webglcontextrestored', () => clearTimeout(timer), true);
+  page?.addEventListener(
+    'webglcontextrestored',
+    () => {
+      isLost = false;
+      count();
+    },
+    true,
+  );
 }
 
 /** A picture of this width and height is enough to see whether something stands in the view. */

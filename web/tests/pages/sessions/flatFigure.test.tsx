@@ -128,9 +128,28 @@ it('draws flat when the graphics card is lost while the page is open', async () 
     frame.contentDocument!.dispatchEvent(new Event('webglcontextrestored'));
     await vi.advanceTimersByTimeAsync(5000);
     expect(screen.queryByText(/cannot show 3D/)).toBeNull();
+    // A locked phone takes the card away, and gives it back when it is looked at.
+    const isSeen = vi.spyOn(document, 'visibilityState', 'get');
+    const show = (state: DocumentVisibilityState) => {
+      isSeen.mockReturnValue(state);
+      document.dispatchEvent(new Event('visibilitychange'));
+    };
+    show('hidden');
+    frame.contentDocument!.dispatchEvent(new Event('webglcontextlost'));
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(screen.queryByText(/cannot show 3D/)).toBeNull();
+    show('visible');
+    await vi.advanceTimersByTimeAsync(2000);
+    frame.contentDocument!.dispatchEvent(new Event('webglcontextrestored'));
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(screen.queryByText(/cannot show 3D/)).toBeNull();
     frame.contentDocument!.dispatchEvent(new Event('webglcontextlost'));
     await vi.advanceTimersByTimeAsync(5000);
     expect(await screen.findByText(/cannot show 3D/)).toBeTruthy();
+    show('hidden');
+    show('visible');
+    await waitFor(() => expect(document.querySelector('iframe')).toBeTruthy());
+    expect(screen.queryByText(/cannot show 3D/)).toBeNull();
   } finally {
     vi.useRealTimers();
   }
