@@ -128,6 +128,39 @@ it('joins a drawing with the version that somebody saved meanwhile, and saves on
   expect(body.design.phases?.map((one) => one.name)).toEqual(['Way out', 'Way back']);
 });
 
+it('offers a drawing after somebody saved the next version, and joins both before anything is saved', async () => {
+  const answers: Answers = {
+    '/api/template-versions/v1': opened,
+    '/api/template-versions/v2': newest,
+    'POST /api/templates/t/versions': [201, { ...newest, id: 'v3', number: 3 }],
+  };
+  const at = (version: string) => ({
+    at: `/templates/versions/${version}`,
+    path: '/templates/versions/:versionId',
+    answers,
+  });
+  sessionStorage.clear();
+  const before = renderPage(<EditTemplatePage />, at('v1'));
+  fireEvent.change(await screen.findByRole('textbox', { name: /valid from this share/ }), {
+    target: { value: '70 %' },
+  });
+  await userEvent.type(screen.getByRole('textbox', { name: 'Why this version?' }), 'milder');
+  before.unmount();
+
+  const view = renderPage(<EditTemplatePage />, at('v2'));
+  await userEvent.click(await screen.findByRole('button', { name: 'Continue with it' }));
+  const card = within(await screen.findByRole('alert', { name: 'Changed meanwhile' }));
+  expect(screen.getByRole<HTMLButtonElement>('button', { name: /^Save as version/ }).disabled).toBe(true);
+  await userEvent.click(card.getByRole('button', { name: 'Continue with both changes' }));
+  await userEvent.click(screen.getByRole('button', { name: 'Save as version 3' }));
+  await waitFor(() => expect(view.asked.some((one) => one.method === 'POST')).toBe(true));
+  const body = view.asked.find((one) => one.method === 'POST')?.body as { based_on: string; design: TemplateDesign };
+  expect(body).toMatchObject({ based_on: 'v2', reason: 'milder' });
+  expect(body.design.valid_share).toBe(0.7);
+  expect(body.design.stops).toEqual([{ kind: 'time', limit: 120, hold_s: 0 }]);
+  expect(body.design.phases?.map((one) => one.name)).toEqual(['Way out', 'Way back']);
+});
+
 const prescription = {
   id: 'x',
   exercise_id: 'e',

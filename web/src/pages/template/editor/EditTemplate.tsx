@@ -157,18 +157,30 @@ function Editor({
   const start = useMemo(() => draftOf(version.design), [version]);
   const [draft, setDraft] = useState(start);
   const [reason, setReason] = useState('');
+  const [isJoined, setJoined] = useState(false);
   const isChanged = JSON.stringify(designOf(draft)) !== JSON.stringify(designOf(start));
+  // What a restored draft was drawn on, where that is not the version that is open: fetched first.
+  const [baseId, setBaseId] = useState<string | null>(null);
+  const base = useTemplateVersion(baseId);
+  const [aheadId, setAheadId] = useState<string | null>(null);
   const { guard, release } = useUnsaved({
-    object: `template-version:${opened.id}`,
-    value: { draft, reason },
-    isChanged: isChanged || reason.trim() !== '',
+    object: `template:${opened.template_id}`,
+    value: { draft, reason, basedOn: baseId ?? version.id },
+    isChanged: isChanged || reason.trim() !== '' || baseId !== null,
     onRestore: (stored) => {
       setDraft(stored.draft);
       setReason(stored.reason);
+      if (stored.basedOn !== version.id) setBaseId(stored.basedOn);
     },
   });
+  if (base.data && base.data.id === baseId) {
+    setBaseId(null);
+    setVersion(base.data);
+    // Joined before anything is saved; on the page of an old version the draft is the newer of the two.
+    setAheadId(base.data.number < opened.number ? opened.id : null);
+  }
   const save = useDrawVersion(version.template_id, release);
-  const newestId = newerThan(save.error);
+  const newestId = newerThan(save.error) ?? aheadId;
   const { curves, repetitions } = version.content;
   const left = useMemo(() => new Set(repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [repetitions]);
   const isBroken = draft.stops.some((one) => brokenBy(one, curves, left));
@@ -223,6 +235,7 @@ function Editor({
           onChange={(event) => setReason(event.currentTarget.value)}
         />
         {save.error && !newestId && <Problem error={save.error} />}
+        {base.error && <Problem error={base.error} onRetry={() => void base.refetch()} />}
         {newestId && (
           <MergeVersion
             base={version}
@@ -231,16 +244,18 @@ function Editor({
             onTake={(newest, merged) => {
               setVersion(newest);
               setDraft(merged);
+              setAheadId(null);
+              setJoined(true);
               save.reset();
             }}
           />
         )}
-        {version !== opened && !newestId && <Notice>{t('meanwhile.taken')}</Notice>}
+        {isJoined && !newestId && <Notice>{t('meanwhile.taken')}</Notice>}
         <Group>
           <Button
             type="submit"
             size="lg"
-            disabled={!isChanged || !reason.trim() || isBroken || newestId !== null}
+            disabled={!isChanged || !reason.trim() || isBroken || newestId !== null || baseId !== null}
             loading={save.isPending}
           >
             {t('design.save', { number: version.number + 1 })}
