@@ -29,7 +29,6 @@ from app.readers.units import (
     is_earths,
 )
 from app.sentences import Sentence, say
-from estimators.calibration.field.device_iron import device_iron
 from estimators.recording import Float, Recording, SensorSignals
 
 _PAUSE_S: Final = 5.0
@@ -139,6 +138,9 @@ class _Sensors:
         """Take iron out of a compass that was never calibrated, where its size cannot be the earth's field."""
         if is_earths(field_t):
             return field_t
+        # Most tables need no fit: nobody waits for what does it.
+        from estimators.calibration.field.device_iron import device_iron
+
         iron_t = device_iron(field_t)
         if iron_t is None:
             return field_t
