@@ -21,7 +21,8 @@ export const editing = {
   'meanwhile.atOnce': '{limit}, at once',
   'meanwhile.removed': 'You deleted: {rule}: {value}',
   'meanwhile.several': 'several people',
-  'meanwhile.savedVersions': 'Versions {first} to {last} were saved after you opened this one, by {name} (the last {when}).',
+  'meanwhile.savedVersions':
+    'Versions {first} to {last} were saved after you opened this one, by {name} (the last {when}).',
   'meanwhile.severalChangedIt': '{name} changed this after you opened it (the last time {when}).',
   'meanwhile.bandOf': 'Band of {curve}',
   'meanwhile.band': '{phase}: {below} below, {above} above',
