@@ -64,6 +64,8 @@ SLOW = {
     "relative_pose_checks": 2,
     "optical_noise_checks": 4,
     "optical_innovation_checks": 1,
+    "progress_false_alarms": 6,
+    "progress_power": 12,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {
@@ -93,6 +95,10 @@ SHORT: dict[str, set[str]] = {
         # Of fifty 99.3 %, of 48 others 98.8.
         "all scenes but the whole field off, our smoother, inside the 95 % region, at most",
     },
+    # Of fifty 0.193 +- 0.026, which leaves it open.
+    "progress_false_alarms": {"ever in a course of 20 sessions, flat"},
+    # Of fifty 0.923 +- 0.018, of thirty others 0.901.
+    "progress_power": {"decline of S/2 a session raised by the eighth"},
     "repetitions": {
         # Of fifty 0.976 +- 0.009 and 0.979, which leaves it open; one alone may fall below.
         "repetitions found, share of the true ones",

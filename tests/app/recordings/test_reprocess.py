@@ -264,11 +264,11 @@ def test_a_session_without_packets_fails_in_words(
     session_id = new_session(state="closing")
     done = run_job(engine, settings, queue(engine, session_id, close=True), reprocess)
     assert done.status == "failed"
-    assert "no gateway" in done.message
+    assert "no sensor box" in done.message
     with read_only(engine) as session:
         found = session.get_one(MotionSession, session_id)
         assert found.state == "failed"
-        assert "no gateway" in found.state_reason
+        assert "no sensor box" in found.state_reason
         assert "complete" not in session.scalars(select(Result.status)).all()
 
 
