@@ -158,10 +158,7 @@ class _Sensors:
         first = min(float(one.time_s[0]) for one in sensors.values())
         earliest_end = min(float(one.time_s[-1]) for one in sensors.values())
         latest = max(float(one.time_s[0]) for one in sensors.values())
-        step_s = min(usual_interval(one.time_s) for one in sensors.values())
-        last_s = max(float(one.time_s[-1]) for one in sensors.values()) - first
-        # One of them that was set to another epoch would stretch all over years.
-        if latest > earliest_end or last_s / step_s * len(sensors) > MAX_VALUES:
+        if latest > earliest_end:
             raise RecordingFormatError(say("table.clocks_apart", where=list(sensors)))
         sensors = {name: replace(one, time_s=one.time_s - first) for name, one in sensors.items()}
         pauses_s = np.concatenate(
@@ -175,6 +172,11 @@ class _Sensors:
         base = next(iter(sensors.values())).time_s
         if all(np.array_equal(base, one.time_s) for one in sensors.values()):
             return sensors
+        step_s = min(usual_interval(one.time_s) for one in sensors.values())
+        last_s = max(float(one.time_s[-1]) for one in sensors.values())
+        # One of them that was set to another epoch would stretch all over years.
+        if last_s / step_s * len(sensors) > MAX_VALUES:
+            raise RecordingFormatError(say("table.clocks_apart", where=list(sensors)))
         self.notes.append(say("table.sensors_joined", where=list(sensors)))
         at_s = step_s * np.arange(round(last_s / step_s) + 1, dtype=np.float64)
         return {name: _at(one, at_s) for name, one in sensors.items()}

@@ -185,8 +185,9 @@ def test_clocks_without_a_common_time_are_refused(tmp_path):
     assert codes(refused.value.message) == ["table.clocks_apart"]
 
 
-def test_a_long_pause_is_said(tmp_path):
-    stamps = np.where(np.arange(len(TIME_S)) < 700, TIME_S, TIME_S + 1200.0)
+@pytest.mark.parametrize("pause_s", [1200.0, 30.0 * 86_400.0])
+def test_a_long_pause_is_said(tmp_path, pause_s):
+    stamps = np.where(np.arange(len(TIME_S)) < 700, TIME_S, TIME_S + pause_s)
     path = tmp_path / "table.csv"
     path.write_text(text([PLAIN], rows_of(*ALL, time_s=stamps)))
     guess = readers.preview_text(path.name, path.read_bytes()[: readers.HEAD_BYTES]).guess
