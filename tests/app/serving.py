@@ -1,19 +1,12 @@
 """A service on a real port of this machine, for what needs a socket."""
 
 import contextlib
-import socket
 import threading
 from collections.abc import Iterator
 from typing import Any
 
 import uvicorn
 from starlette.types import ASGIApp
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @contextlib.contextmanager

@@ -19,7 +19,7 @@ from websockets.asyncio.client import connect
 from app.commands.serve import DrainingServer
 from app.network.lean_sockets import LeanSocket
 from app.network.pace import PAUSE_S, pause_s
-from tests.app.serving import free_port
+from tests.ports import free_port
 
 SOCKETS = 5
 RESTARTING = 1012

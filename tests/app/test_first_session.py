@@ -13,8 +13,9 @@ from app.database.unit_of_work import read_only
 from app.live import warmup
 from app.main import create_app
 from app.recordings.models import MotionSession, SignalChunk
+from tests.ports import free_port
 
-from .serving import free_port, serving
+from .serving import serving
 
 PAGE = Path(__file__).parents[2] / "docs" / "first-session.md"
 

@@ -24,8 +24,9 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
 from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession
-from tests.app.database.test_writer_lock import free_port, wait_until_up
+from tests.app.database.test_writer_lock import wait_until_up
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 SECRETS = ("Ada", "Lindqvist", "therapist@", "stranger@", "a long enough password", "wrong-horse")

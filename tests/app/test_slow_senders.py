@@ -14,9 +14,10 @@ from starlette.types import Message
 from app.edge.error_answers import BodyTooSlow
 from app.edge.slow_senders import MOST_HEAD_BYTES, TimedBodies, timed_headers
 from app.settings import Settings
+from tests.ports import free_port
 
 from .conftest import BASE_URL, ServiceClient, World
-from .serving import free_port, serving
+from .serving import serving
 
 HEADERS_S = 0.4
 PATIENCE_S = 0.5

@@ -48,10 +48,10 @@ from tests.benchmarks.service import (
     PASSWORD,
     add_clinic,
     add_patient,
-    free_port,
     make_patient,
     start_server,
 )
+from tests.ports import free_port
 
 GREEDY, FOREIGN = "greedy@bench.example", "therapist@other.example"
 LATENCY_MS, BEGIN_S = 100.0, 10.0

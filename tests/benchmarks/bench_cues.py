@@ -35,7 +35,8 @@ from estimators.guidance import SENTENCES
 from estimators.simulation import PlannedRepetition
 from tests.app.live.guided import EXERCISE, LEANING, N_POSE_S, SHORT, Performed, performed, prescribe
 from tests.benchmarks.machine import processor
-from tests.benchmarks.service import EMAIL, PASSWORD, free_port, make_patient, start_server
+from tests.benchmarks.service import EMAIL, PASSWORD, make_patient, start_server
+from tests.ports import free_port
 
 LIMIT_MS: Final = 150.0
 RECORD_AT_S: Final = N_POSE_S + 1.6

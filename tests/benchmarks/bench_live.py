@@ -27,7 +27,8 @@ from tests.benchmarks.live.load import WARM_UP_S, Load, Outcome, open_all
 from tests.benchmarks.live.parts import Part, arms, magnetic, walks
 from tests.benchmarks.live.report import judge, judge_load, judge_memory, list_slow, print_load, stored_mb
 from tests.benchmarks.live.watching import Memory, idle_mb, metrics, rare_share, stored
-from tests.benchmarks.service import free_port, make_patient, start_server
+from tests.benchmarks.service import make_patient, start_server
+from tests.ports import free_port
 
 MIX = (100, 20, 20)
 """Arms, walks and magnetic sessions."""

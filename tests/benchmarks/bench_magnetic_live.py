@@ -25,7 +25,8 @@ from tests.benchmarks.live.load import WARM_UP_S, Load, open_all
 from tests.benchmarks.live.parts import magnetic
 from tests.benchmarks.live.watching import stored
 from tests.benchmarks.machine import processor
-from tests.benchmarks.service import free_port, make_patient, start_server
+from tests.benchmarks.service import make_patient, start_server
+from tests.ports import free_port
 
 OTHER = "threads of the store; web server"
 PARTS = (

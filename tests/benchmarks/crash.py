@@ -40,11 +40,11 @@ from tests.benchmarks.service import (
     PASSWORD,
     compile_usual,
     environment_of,
-    free_port,
     launch,
     make_patient,
     open_sessions,
 )
+from tests.ports import free_port
 
 FIRST_FRAME_S = 8.0
 PERIOD_S = 62.85

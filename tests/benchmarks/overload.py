@@ -50,7 +50,8 @@ from tests.benchmarks.live.parts import Part, arms
 from tests.benchmarks.live.report import LIMIT_MS, heading, judge, machine, row
 from tests.benchmarks.live.sockets import MOST_READ, Socket
 from tests.benchmarks.live.watching import Memory, idle_mb, stored
-from tests.benchmarks.service import EMAIL, PASSWORD, free_port, make_patient, start_server
+from tests.benchmarks.service import EMAIL, PASSWORD, make_patient, start_server
+from tests.ports import free_port
 
 OVERLOAD_MS, RECOVERY_S = 100.0, 5.0
 MEMORY_GROWTH = 1.1

@@ -2,7 +2,6 @@
 
 import functools
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -156,9 +155,3 @@ async def new_ticket(port: int, session_id: str) -> str:
     async with ServiceClient(f"http://127.0.0.1:{port}") as client:
         await client.sign_in(EMAIL, PASSWORD)
         return await client.ticket(session_id, "ingest")
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

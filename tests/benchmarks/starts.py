@@ -29,12 +29,12 @@ from tests.benchmarks.live.report import judge, machine
 from tests.benchmarks.service import (
     ROOT,
     environment_of,
-    free_port,
     launch,
     make_patient,
     new_ticket,
     wait_until,
 )
+from tests.ports import free_port
 
 FIRST_START_S, SECOND_START_S = 45.0, 6.0
 SECONDS = 10.0

@@ -3,7 +3,6 @@
 import asyncio
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -26,6 +25,7 @@ from app.demo.dating import date_back
 from app.demo.people import ADMINISTRATOR, PASSWORD, PATIENTS, THERAPIST, seed_people
 from app.gateway import ServiceClient
 from tests.patience import PATIENCE_MS, PATIENCE_S
+from tests.ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / "var" / "pictures"
@@ -61,12 +61,6 @@ class House:
     template_session_id: str
     session_id: str
     """An analysed exercise session with a comparison."""
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @dataclass

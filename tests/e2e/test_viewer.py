@@ -1,6 +1,5 @@
 """The 3D view in a real browser, through the relay, inside a frame, under its content security policy."""
 
-import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -25,6 +24,7 @@ from app.settings import Settings
 from app.viewer.service import Viewer
 from tests.app.viewer.stored_reaches import Recorded, compared_reaches, store
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 
 
 @dataclass
@@ -41,9 +41,7 @@ class Running:
 @pytest.fixture(scope="module")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     folder = tmp_path_factory.mktemp("viewer")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     settings = Settings(
         _env_file=None,
         demo=True,

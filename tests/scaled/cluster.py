@@ -16,11 +16,11 @@ from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.scaled.mqtt.configuration import configuration
 from app.settings import Settings
-from tests.app.serving import free_port
 from tests.benchmarks.service import EMAIL as EMAIL
 from tests.benchmarks.service import PASSWORD as PASSWORD
 from tests.benchmarks.service import ROOT, SECRET, add_clinic, add_patient, compile_usual, environment_of
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 from tests.scaled.tls.certificates import Authority
 
 MOST_EDGES = 4

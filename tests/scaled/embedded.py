@@ -4,10 +4,10 @@ import asyncio
 from pathlib import Path
 
 from app.gateway import DeviceStream, GatewayClient, ServiceClient
-from tests.app.serving import free_port
 from tests.benchmarks.crash import Session
 from tests.benchmarks.service import EMAIL, PASSWORD, ROOMY, make_patient, open_sessions, start_server
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 from tests.scaled.streaming import Roving
 
 PACE = 8.0

@@ -16,7 +16,8 @@ from app.edge.description import describe
 from app.live import warmup
 from app.main import create_app
 from app.settings import Settings
-from tests.app.serving import free_port, serving
+from tests.app.serving import serving
+from tests.ports import free_port
 
 from .access_seed import build_seed
 

@@ -11,8 +11,7 @@ from app.commands.private_folder import make_private
 from app.commands.serve import claim
 from app.errors import InvalidInput
 from app.settings import Settings
-
-from ..serving import free_port
+from tests.ports import free_port
 
 
 def settings_in(folder: Path) -> Settings:

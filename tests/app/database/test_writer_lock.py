@@ -20,14 +20,9 @@ from app.database.writer_lock import DatabaseInUse, writer_lock
 from app.errors import InvalidInput, Unavailable
 from app.main import create_app
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @dataclass

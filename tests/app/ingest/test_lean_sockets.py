@@ -13,8 +13,9 @@ from websockets.frames import Frame, Opcode
 from websockets.streams import StreamReader
 
 from app.network.lean_sockets import WHOLE_BINARY, WHOLE_TEXT, LeanSocket, frame_head, lean_socket
-from tests.app.serving import free_port, serving
+from tests.app.serving import serving
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 
 
 class Reader:

@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -21,6 +20,7 @@ from app.live import warmup
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 
 
 @pytest.fixture(autouse=True)
@@ -32,12 +32,6 @@ def prepared(monkeypatch: pytest.MonkeyPatch) -> None:
 PASSWORD = "a long enough password"
 """Of everybody in `world`."""
 ROOT = Path(__file__).resolve().parents[3]
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class ServerProcess:

@@ -20,10 +20,10 @@ from sqlalchemy import text
 from app.database.engine import create_from_url
 from app.gateway import DeviceStream, ServiceClient
 from tests.app.live.live_load import swaying
-from tests.app.serving import free_port
 from tests.benchmarks.crash import PERIOD_S
 from tests.benchmarks.machine import processor
 from tests.benchmarks.service import EMAIL, PASSWORD, ROOMY, make_patient, open_sessions, start_server
+from tests.ports import free_port
 from tests.scaled.cluster import Cluster
 from tests.scaled.database import Database
 from tests.scaled.killing import Run, streaming

@@ -284,7 +284,9 @@ def test_a_clinic_day(chromium: Browser, service: Service, relay: Relay) -> None
         # Farthest where the arm is: from the middle of the way out to that of the way back.
         assert set(leaning(compared)) == {2, 4, 5}
         assert all(8 <= start <= 30 and 70 <= end <= 92 for start, end in leaning(compared).values())
-        assert compared["findings"][0].startswith("Trunk forward lean: outside the band in 3 of 5 repetitions")
+        assert compared["findings"][0].startswith(
+            "Trunk forward lean: outside the band in 3 of 5 repetitions"
+        )
         assert row_of(client, patient_id)["reason"] == "compensation"
         date_back(service.engine, leant.session_id, 2.0)
 

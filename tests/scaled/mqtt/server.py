@@ -15,8 +15,8 @@ from app.network.mqtt import connection_name
 from app.scaled.broker import Broker, connect
 from app.scaled.mqtt.configuration import configuration
 from app.settings import Settings
-from tests.app.serving import free_port
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 from tests.scaled.cluster import SERVER
 
 EDGES = ("edge-1", "edge-2")

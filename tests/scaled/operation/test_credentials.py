@@ -14,8 +14,8 @@ from app.scaled import broker as broker_module
 from app.scaled.broker import connect, stream_name
 from app.scaled.wire import subject
 from app.settings import Settings
-from tests.app.serving import free_port
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 from tests.said import codes
 from tests.scaled.cluster import Cluster
 from tests.scaled.killing import streaming, whole_service

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 
 from sqlalchemy import URL, make_url
 
-from tests.app.serving import free_port
 from tests.patience import PATIENCE_S
+from tests.ports import free_port
 from tests.scaled.tls.certificates import Authority
 
 _REQUEST = struct.Struct("!II")

@@ -7,7 +7,8 @@ import pytest
 
 from tests.app.live.live_load import swaying
 from tests.benchmarks import crash
-from tests.benchmarks.service import environment_of, free_port, make_patient
+from tests.benchmarks.service import environment_of, make_patient
+from tests.ports import free_port
 
 SESSIONS, TIMES = 3, 2
 
