@@ -185,18 +185,37 @@ export const byHand = {
   delete: change('DELETE', BY_HAND),
 };
 
-/** Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. */
+/** Whether the sign-in has ended: a service that refuses a long file early may close the line before its answer is heard. */
+async function hasSignInEnded(): Promise<boolean> {
+  try {
+    const response = await fetch('/api/me', { credentials: 'same-origin', headers: idleHeader() });
+    return !response.ok && isSignInNeeded(await errorOf(response), '/api/me');
+  } catch {
+    return false;
+  }
+}
+
+/**
+ * Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. A person asked for it: where the sign-in has
+ * ended, it is asked for over the page, and then the form is sent again.
+ */
 export async function upload<T>(
   path: string,
   form: FormData,
   onProgress: (share: number) => void,
   signal?: AbortSignal,
 ): Promise<T> {
-  try {
-    return await uploadOnce<T>(path, form, onProgress, signal);
-  } catch (error) {
-    if (!(error instanceof ApiError && isTokenOld(error) && (await renewToken()))) throw error;
-    return uploadOnce<T>(path, form, onProgress, signal);
+  for (let isRenewed = false; ;) {
+    try {
+      return await uploadOnce<T>(path, form, onProgress, signal);
+    } catch (error) {
+      if (!(error instanceof ApiError)) throw error;
+      if (isSignInNeeded(error, path) || (error.code === 'offline' && (await hasSignInEnded()))) {
+        if (!(await signInAgain(true))) throw error;
+      } else if (isTokenOld(error) && !isRenewed && (await renewToken())) isRenewed = true;
+      else throw error;
+      onProgress(0);
+    }
   }
 }
 
