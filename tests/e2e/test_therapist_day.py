@@ -77,7 +77,7 @@ def test_guided_calibration(visitor: Visitor, house: House) -> None:
     page = visitor.page
     placements = ["sternum", "upper_arm_right", "forearm_right", "hand_right"]
     session_id = new_session(house, placements)
-    Gateway(house.address, session_id, placements, pose_s=240.0).start()
+    Gateway(house.address, session_id, placements, pose_s=480.0).start()
     page.goto(f"{house.address}/sessions/{session_id}/live")
     page.get_by_role("heading", name="Hold the pose").wait_for()
     page.get_by_text("The patient cannot stand like this").click()

@@ -56,16 +56,12 @@ export function todayText(one: Today): string {
 type Sessions = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'pain_stops_this_week'>;
 type Week = Sessions & Pick<Prescription, 'repetitions_this_week' | 'active_s_this_week'>;
 
-/** For instance `stopped for pain`, where that is said of the only session, or `2 stopped for pain`; empty for none. */
-export function painText({
-  done_this_week: done,
-  pain_stops_this_week: stops = 0,
-}: Omit<Sessions, 'times_per_week'>): string {
-  if (!stops) return '';
-  return stops === 1 && done <= 1 ? t('practice.painOnly') : t('practice.pain', { count: stops });
+/** For instance `1 stopped for pain`: beside a count it must not seem to be of the sessions that were done; empty for none. */
+export function painText({ pain_stops_this_week: stops = 0 }: Pick<Sessions, 'pain_stops_this_week'>): string {
+  return stops ? t('practice.pain', { count: stops }) : '';
 }
 
-/** For instance `1 of 3 sessions this week, stopped for pain`: what pain ended is never silently done. */
+/** For instance `1 of 3 sessions this week, 1 stopped for pain`: what pain ended is never silently done. */
 export function sessionsText(week: Sessions): string {
   const { done_this_week: done, times_per_week: of } = week;
   return [t('practice.sessions', { done: Math.min(done, of), count: of }), painText(week)].filter(Boolean).join(', ');

@@ -27,12 +27,12 @@ it('says sessions, repetitions and time of the week', () => {
 
 it('says what pain ended: it is not silently done', () => {
   const stopped = (done: number, stops: number) => ({ ...week(done, 3, 12), pain_stops_this_week: stops });
-  expect(weekText(stopped(1, 1))).toBe('1 of 3 sessions this week, stopped for pain · 12 repetitions');
-  expect(weekText(stopped(0, 1))).toBe('0 of 3 sessions this week, stopped for pain · 12 repetitions');
+  expect(weekText(stopped(1, 1))).toBe('1 of 3 sessions this week, 1 stopped for pain · 12 repetitions');
+  expect(weekText(stopped(0, 1))).toBe('0 of 3 sessions this week, 1 stopped for pain · 12 repetitions');
   expect(weekText(stopped(3, 1))).toBe('3 of 3 sessions this week, 1 stopped for pain · 12 repetitions');
   expect(weekText(stopped(2, 2))).toBe('2 of 3 sessions this week, 2 stopped for pain · 12 repetitions');
   speakWith('de', german);
-  expect(sessionsText(stopped(1, 1))).toBe('1 von 3 Sitzungen diese Woche, wegen Schmerzen beendet');
+  expect(sessionsText(stopped(1, 1))).toBe('1 von 3 Sitzungen diese Woche, 1 wegen Schmerzen beendet');
   speakWith('en', english);
 });
 

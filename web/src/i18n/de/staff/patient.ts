@@ -230,7 +230,6 @@ export const patient: Translated<typeof english> = {
     one: '{done} von {count} Sitzung diese Woche',
     other: '{done} von {count} Sitzungen diese Woche',
   },
-  'practice.painOnly': 'wegen Schmerzen beendet',
   'practice.pain': { one: '{count} wegen Schmerzen beendet', other: '{count} wegen Schmerzen beendet' },
   'practice.more': '{count} mehr als verordnet',
   'practice.minutes': '{minutes} min aktiv',

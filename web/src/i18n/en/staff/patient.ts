@@ -218,7 +218,6 @@ export const patient = {
   'prescription.walk': '1 walk',
   'prescription.dose': '{dose}, {perWeek} × per week',
   'practice.sessions': { one: '{done} of {count} session this week', other: '{done} of {count} sessions this week' },
-  'practice.painOnly': 'stopped for pain',
   'practice.pain': { one: '{count} stopped for pain', other: '{count} stopped for pain' },
   'practice.more': '{count} more than prescribed',
   'practice.minutes': '{minutes} min active',
