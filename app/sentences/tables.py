@@ -60,11 +60,21 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "time.does_not_advance": "The time column does not advance; choose another one, or give the rate instead.",
     "time.hopeless": "{count:number} of {rows:number} rows have no usable time; choose another time column, or give the"
     " rate instead.",
+    "table.rows_of_none": {
+        "one": "A row is left out: no sensor is called {values:and} in {column}.",
+        "other": "{count:number} rows are left out: no sensor is called {values:and} in {column}.",
+    },
+    "table.rows_of_nobody": {
+        "one": "A row is left out: {column} says nothing there.",
+        "other": "{count:number} rows are left out: {column} says nothing there.",
+    },
     "table.joined": "The quantities of {where:place} have times of their own; they are joined by time.",
     "table.clocks_apart": "The clocks of {where:and} have no time in common: two of them were never on at once. Upload"
     " each sensor by itself, or choose one clock for all.",
     "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
     "guess.own_clocks": "The sensors have clocks of their own: {columns:and}. They are taken to count from one moment.",
+    "table.counters_apart": "The counters of {where:and} begin at other numbers than the first one; their samples are taken"
+    " to be of the time of the rows beside them.",
     "table.sensors_joined": "The stamps of {where:and} differ; all are brought to one time.",
     "time.pauses": {
         "one": "The recording pauses once, for {longest_s:s}; nothing is known in between.",
@@ -88,6 +98,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "By the counter {count:number} samples are missing; there are holes in time there.",
     },
     "guess.counter": "{column} counts the samples, at {rate_hz:hz.1}; where it jumps, samples are missing.",
+    "guess.clocks_left": "{columns:and} hold times too; {column} was taken.",
+    "guess.microseconds": "{column} is taken to count microseconds; the rows come at {rate_hz:hz.1}.",
     "guess.counter_needs_rate": "No column is a time; {column} counts the samples. Give the rate.",
     "guess.rate_left": "A line above the table, or you, said {said_hz:hz}; by {column} the rows come at"
     " {rate_hz:hz}. The column was taken.",

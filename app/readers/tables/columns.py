@@ -1,6 +1,7 @@
 """CSV with a declared mapping: which columns are what, in which unit. Checked in words."""
 
 import math
+from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,13 +14,12 @@ from app.errors import RecordingFormatError
 from app.readers.moments import as_metadata
 from app.readers.tables.body import MAX_VALUES, read_table
 from app.readers.tables.clocks.counter import COUNT
-from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
 from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, nominal_rate
 from app.readers.tables.guess import SINGLE
 from app.readers.tables.head import TableHead, head_of_file
 from app.readers.tables.schemas import CsvColumn, CsvMapping
-from app.readers.tables.streams import Clock, Stream, joined, share_rows, stream_of
+from app.readers.tables.streams import Clock, Stream, begun, joined, share_rows, stream_of
 from app.readers.units import (
     TO_SI,
     UNITS,
@@ -31,6 +31,8 @@ from app.readers.units import (
 from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
 
+_COUNTED_APART: Final = 20.0
+"""In samples: counters farther apart than that in rows that stand together are not of one moment."""
 _PAUSE_S: Final = 5.0
 """Without any sample for longer than this a recording paused, and its headings begin anew."""
 
@@ -65,9 +67,10 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     recorded = _first_moment(mapping, table)
     reader = _Sensors(mapping, table, head)
     sensors = {placement: reader.sensor(placement, by_placement[placement]) for placement in by_placement}
+    rate_hz = mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values())
     return Recording(
-        reader.together(sensors),
-        mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values()),
+        reader.together(sensors, 1.0 / rate_hz),
+        rate_hz,
         origin="CSV file",
         metadata={"format": "csv", **recorded},
         notes=tuple(dict.fromkeys((*notes, *reader.notes))),
@@ -95,7 +98,8 @@ class _Sensors:
         if self._count < 2:
             raise RecordingFormatError(say("file.too_few_rows"))
         self._streams: dict[Hashable, Stream] = {}
-        self.notes: list[Sentence] = []
+        self._bases: dict[str, Stream] = {}
+        self.notes = _of_nobody(mapping, table)
 
     def sensor(self, placement: str, quantities: dict[str, CsvColumn]) -> SensorSignals:
         """Return the signals of one sensor, on the stamps of its gyroscope."""
@@ -115,6 +119,7 @@ class _Sensors:
                     own = self._stream(one, one)
                     found[name] = joined(own.time_s, values[name][own.rows], stream.time_s)
             self.notes.append(say("table.joined", where=placement))
+        self._bases[placement] = stream
         self._check(placement, quantities, found, float(np.median(np.diff(stream.time_s))))
         return SensorSignals(
             stream.time_s, found["gyroscope"], found["accelerometer"], found.get("magnetometer")
@@ -147,7 +152,7 @@ class _Sensors:
         self.notes.append(say("table.iron", where=placement, field_t=float(np.linalg.norm(iron_t))))
         return np.asarray(field_t - iron_t)
 
-    def together(self, sensors: dict[str, SensorSignals]) -> dict[str, SensorSignals]:
+    def together(self, sensors: dict[str, SensorSignals], step_s: float) -> dict[str, SensorSignals]:
         """Return all sensors on one time that begins with the first of them; on even stamps where theirs differ.
 
         Raises
@@ -155,6 +160,11 @@ class _Sensors:
         RecordingFormatError
             Two of them were never on at once: their clocks have nothing in common.
         """
+        if self._mapping.time_unit == COUNT and (moved := begun(self._bases, _COUNTED_APART * step_s)):
+            self.notes.append(say("table.counters_apart", where=list(moved)))
+            sensors = {
+                name: replace(one, time_s=one.time_s + moved.get(name, 0.0)) for name, one in sensors.items()
+            }
         first = min(float(one.time_s[0]) for one in sensors.values())
         earliest_end = min(float(one.time_s[-1]) for one in sensors.values())
         latest = max(float(one.time_s[0]) for one in sensors.values())
@@ -172,7 +182,6 @@ class _Sensors:
         base = next(iter(sensors.values())).time_s
         if all(np.array_equal(base, one.time_s) for one in sensors.values()):
             return sensors
-        step_s = min(usual_interval(one.time_s) for one in sensors.values())
         last_s = max(float(one.time_s[-1]) for one in sensors.values())
         # One of them that was set to another epoch would stretch all over years.
         if last_s / step_s * len(sensors) > MAX_VALUES:
@@ -251,6 +260,22 @@ def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
         without = [p for p in found if p not in with_field]
         raise RecordingFormatError(say("mapping.magnetometers", places=without))
     return found
+
+
+def _of_nobody(mapping: CsvMapping, table: dict[str, Any]) -> list[Sentence]:
+    """Return what is to be said of rows that no sensor of the mapping holds."""
+    notes = []
+    for column in dict.fromkeys(name for signal in mapping.signals for name in signal.rows):
+        wanted = {signal.rows.get(column) for signal in mapping.signals}
+        counted = Counter(value for value in table[column].tolist() if value not in wanted)
+        if None in wanted or not counted:
+            continue
+        if empty := counted.pop("", 0):
+            notes.append(say("table.rows_of_nobody", count=empty, column=column))
+        if counted:
+            values = [value[:60] for value, _ in counted.most_common(5)]
+            notes.append(say("table.rows_of_none", count=counted.total(), column=column, values=values))
+    return notes
 
 
 @contextmanager

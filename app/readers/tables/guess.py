@@ -4,45 +4,27 @@ The upload page asks the service for it, `telemotion process --guess` and `telem
 """
 
 import re
-from collections import defaultdict
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
 
-from app.readers.tables.clocks.guess import guess_time, own_clocks
+from app.readers.tables.clocks.guess import TimeGuess, guess_time, own_clocks
+from app.readers.tables.clocks.mended import spaced, usual_interval
 from app.readers.tables.head import TableHead
-from app.readers.tables.names import (
-    Named,
-    is_orientation,
-    named,
-    placement_of,
-    side_of,
-)
-from app.readers.tables.rows import Turns, devices_of_rows, kinds_of_rows
+from app.readers.tables.names import is_orientation, placement_of, side_of
+from app.readers.tables.rows import devices_of_rows, kinds_of_rows
+from app.readers.tables.streams import joined
+from app.readers.tables.triples import Triple, of_devices, of_kinds, triples_of, whole_sensors
 from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
 from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
+from estimators.recording import Float
 
 PipelineName = Literal["arm", "gait", "orientation"]
 SINGLE: Final = "imu"
 """What a sensor is called whose table does not name it."""
 _DEFAULT: Final = {"gyroscope": "rad/s", "accelerometer": "m/s^2", "magnetometer": "uT"}
-
-
-@dataclass(frozen=True)
-class Triple:
-    """Three columns of one quantity of one sensor; x, y, z."""
-
-    columns: tuple[str, str, str]
-    quantity: str
-    device: str
-    unit: str
-    has_gravity: bool
-    rows: dict[str, str] = field(default_factory=dict)
-    """Which rows hold it; see `CsvColumn.rows`."""
-    clock: str | None = None
-    """Its own time column."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +68,7 @@ def guess_of_head(
     missing: list[Sentence] = []
     body = Body(head)
     kinds = kinds_of_rows(head, body)
-    triples, left_out = _sensors(_of_kinds(head, body, kinds) if kinds else _triples(head.columns))
+    triples, left_out = whole_sensors(of_kinds(head, body, kinds) if kinds else triples_of(head.columns))
     if left_out:
         notes.append(say("guess.left_out", columns=[column for one in left_out for column in one.columns]))
     if not body.has_rows:
@@ -95,10 +77,12 @@ def guess_of_head(
         missing.append(_why_none(head, left_out))
     signals_of = {column for one in triples for column in one.columns}
     time = guess_time(head, body.of_rows(triples[0].rows) if triples else body, signals_of, rate_hz)
-    if not kinds and triples:
-        others = [c for c in head.columns if c not in signals_of and c != time.column]
-        if turns := devices_of_rows(body, others, time.column, time.unit, triples[0].columns):
-            triples = _of_devices(triples, turns)
+    if triples:
+        no_device = {*signals_of, time.column, kinds.column if kinds else None}
+        others = [column for column in head.columns if column not in no_device]
+        mine = body.of_rows(triples[0].rows)
+        if turns := devices_of_rows(mine, others, time.column, time.unit, triples[0].columns):
+            triples = of_devices(triples, turns)
             notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
             time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)
     if clocks := own_clocks(head, body, [(one.device, one.quantity) for one in triples], signals_of):
@@ -107,7 +91,7 @@ def guess_of_head(
         notes.append(say("guess.own_clocks", columns=sorted(set(clocks.values()))))
     notes += time.notes
     missing += time.missing
-    known = [_with_unit(body, one, triples, time.step_s, notes, missing) for one in triples]
+    known = [_with_unit(body, one, triples, time, notes, missing) for one in triples]
     triples = [one for one in known if one is not None]
     signals, chosen = _placed(triples, name, pipeline, notes, missing)
     mapping = {
@@ -118,91 +102,6 @@ def guess_of_head(
         "signals": signals,
     }
     return Guess(mapping, chosen, tuple(notes), tuple(missing))
-
-
-def _triples(columns: tuple[str, ...]) -> list[Triple]:
-    """Group columns whose names differ in the axis only."""
-    plain = [named(column) for column in columns]
-    said = {one.quantity for one in plain if one is not None}
-    for place, column in enumerate(columns):
-        # A letter alone is what no word of the table is: `ax` beside `magx`.
-        found = named(column, letters=True)
-        if found is not None and found.quantity not in said:
-            plain[place] = found
-    groups: dict[tuple[str, ...], dict[str, tuple[str, Named]]] = defaultdict(dict)
-    for column, one in zip(columns, plain, strict=True):
-        if one is not None and one.quantity:
-            groups[one.stem].setdefault(one.axis, (column, one))
-    return [
-        Triple(
-            (axes["x"][0], axes["y"][0], axes["z"][0]),
-            axes["x"][1].quantity,
-            axes["x"][1].device,
-            axes["x"][1].unit,
-            axes["x"][1].has_gravity,
-        )
-        for axes in groups.values()
-        if len(axes) == 3
-    ]
-
-
-def _of_kinds(head: TableHead, body: Body, kinds: Turns) -> list[Triple]:
-    """Return a triple for each kind of rows; all stand in the same three columns."""
-    plain = [(column, named(column, letters=True)) for column in head.columns]
-    axes: dict[tuple[str, ...], dict[str, str]] = defaultdict(dict)
-    for column, one in plain:
-        if one is not None:
-            axes[one.stem].setdefault(one.axis, column)
-    whole = next((found for found in axes.values() if len(found) == 3), None)
-    if whole is None:
-        return []
-    columns = (whole["x"], whole["y"], whole["z"])
-    return [
-        Triple(columns, quantity, "", "", True, {kinds.column: value})
-        for value, quantity in kinds.quantities.items()
-    ]
-
-
-def _of_devices(triples: list[Triple], turns: Turns) -> list[Triple]:
-    """Return the triples once for each device whose rows take turns."""
-    # Words that say a place stay: two sensors of one device, or the one that all wear.
-    several = len({one.device for one in triples}) > 1 or placement_of(triples[0].device) is not None
-    found: list[Triple] = []
-    for value in turns.values:
-        name = re.sub(r"[^\w .-]+", "_", value).strip("_ .-")[:60] or str(turns.values.index(value) + 1)
-        name = f"{turns.column}_{name}".replace(" ", "_") if name.isdigit() else name
-        found += [
-            replace(one, device=f"{name}_{one.device}" if several else name, rows={turns.column: value})
-            for one in triples
-        ]
-    return found
-
-
-def _sensors(triples: list[Triple]) -> tuple[list[Triple], list[Triple]]:
-    """Return the signals of whole sensors, one a quantity, and those that are left out."""
-    with_gravity = [one for one in triples if one.has_gravity or one.quantity != "accelerometer"]
-    first: dict[tuple[str, str], Triple] = {}
-    for one in with_gravity:
-        first.setdefault((one.device, one.quantity), one)
-    by_quantity: dict[str, list[Triple]] = defaultdict(list)
-    for one in first.values():
-        by_quantity[one.quantity].append(one)
-    gyroscopes = {one.device for one in by_quantity["gyroscope"]}
-    whole = gyroscopes & {one.device for one in by_quantity["accelerometer"]}
-    if len(whole) <= 1 and all(len(found) == 1 for found in by_quantity.values()):
-        # One of each, whatever they are called: one sensor.
-        device = next(iter(whole), next(iter(gyroscopes), ""))
-        chosen = [replace(one, device=device) for one in first.values()] if len(by_quantity) > 1 else []
-        if not {"gyroscope", "accelerometer"} <= {one.quantity for one in chosen}:
-            chosen = []
-    else:
-        chosen = [one for one in first.values() if one.device in whole]
-    fields = {one.device for one in chosen if one.quantity == "magnetometer"}
-    if fields != {one.device for one in chosen}:
-        # Magnetometers all or none.
-        chosen = [one for one in chosen if one.quantity != "magnetometer"]
-    used = {one.columns for one in chosen}
-    return chosen, [one for one in triples if one.columns not in used]
 
 
 def _why_none(head: TableHead, left_out: list[Triple]) -> Sentence:
@@ -225,7 +124,7 @@ def _with_unit(
     body: Body,
     one: Triple,
     all_: list[Triple],
-    step_s: float | None,
+    time: TimeGuess,
     notes: list[Sentence],
     missing: list[Sentence],
 ) -> Triple | None:
@@ -248,16 +147,26 @@ def _with_unit(
             return None
     else:
         force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
-        if force.rows == one.rows:
-            unit = gyroscope_unit(values, mine.numbers(*force.columns), step_s)
+        if (force.rows, force.clock) == (one.rows, one.clock):
+            unit = gyroscope_unit(values, mine.numbers(*force.columns), time.step_s)
         else:
-            # In rows of its own: nothing of it was measured with this.
-            unit = gyroscope_unit(values, np.full_like(values, np.nan), None)
+            at_s, values = _in_time(mine, one, time)
+            forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
+            unit = gyroscope_unit(values, forces, usual_interval(at_s) if at_s.size > 1 else None)
     if unit:
         notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
         return replace(one, unit=unit)
     notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=_DEFAULT[one.quantity]))
     return replace(one, unit=_DEFAULT[one.quantity])
+
+
+def _in_time(body: Body, one: Triple, time: TimeGuess) -> tuple[Float, Float]:
+    """Return the rows of a signal in the order of their time, s, and that."""
+    column = one.clock or time.column
+    at_s = np.arange(float(len(body))) if column is None else body.seconds(column, time.unit, time.rate_hz)
+    order = np.argsort(at_s, kind="stable")[: int(np.isfinite(at_s).sum())]
+    # Samples that arrived together get times of their own, as when the table is read.
+    return spaced(at_s[order])[0], body.numbers(*one.columns)[order]
 
 
 def _placed(

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import RecordingFormatError
+from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.text import HEAD_BYTES, encoding_of, start_of, text_of
 from app.sentences import say
 
@@ -174,7 +175,7 @@ def _split_all(lines: list[str], content: list[int], delimiter: str) -> _Split:
     width = max(counted, key=lambda one: (counted[one], one), default=0)
     for index, one in enumerate(fields):
         filled = [field for field in one if field]
-        numbers = sum(map(is_number, filled))
+        numbers = sum(is_number(field) or is_clock(field) for field in filled)
         if width > 1 and len(one) == width and 2 * numbers > len(filled):
             return _Split(delimiter, fields, width, index, numbers)
     return _Split(delimiter, fields, len(fields[0]) if fields else 0, min(1, len(fields)), 0)

@@ -27,6 +27,8 @@ _OF_QUANTITIES: Final = re.compile(
     r"^(gyr.*|omega|angular|ang|vel.*|rot.*|rate|turn|drehrate|winkelgeschw.*|acc.*|acel.*|beschl.*|specific|g?force"
     r"|mag.*|field)$"
 )
+_LAST: Final = frozenset({"force", "velocity", "rate"})
+"""End what is called in two words; an axis may follow at once."""
 _FILLERS: Final = frozenset({"cal", "calibrated", "raw", "ln", "wr", "value", "data", "axis", "achse"})
 """Say nothing about which sensor it is; columns that differ in them are still not of one triple."""
 _NO_GRAVITY: Final = frozenset({"free", "linear", "lin", "user", "dynamic"})
@@ -71,6 +73,7 @@ _QUOTIENT: Final = re.compile(r"\s*[\[(][A-Za-z]{1,12}[/*][^\[\]()]{1,12}[\])]\s
 """In brackets what is divided by something is a unit, whichever."""
 _G_FORCE: Final = re.compile(r"(?<![A-Za-z])g[Ff](?=[ _]?[XYZxyz](?![A-Za-z]))")
 """`gFx`: specific force in multiples of gravity."""
+_RAISED: Final = str.maketrans("⁻¹²³", "-123")
 _REPEATED: Final = re.compile(r" \([0-9]+\)$")
 """As `_table_head` numbers repeated names."""
 _PLACES: Final = (
@@ -122,7 +125,7 @@ def named(column: str, *, letters: bool = False) -> Named | None:
     ----------
     column : str
     letters : bool
-        Whether a letter that stands alone is a quantity.
+        Whether a letter alone before the axis is a quantity.
     """
     number = match[0] if (match := _REPEATED.search(column)) else ""
     text, written = _without_units(column.removesuffix(number))
@@ -130,10 +133,17 @@ def named(column: str, *, letters: bool = False) -> Named | None:
     places = [i for i, word in enumerate(words) if word in AXES]
     if not places:
         return None
-    axis = words.pop(places[-1])
-    quantity = quantity_of(words, letters=letters)
-    is_letter = letters and bool(words) and words[-1] in _LETTERS
-    mine = [w for w in words[: -1 if is_letter else None] if not (_OF_QUANTITIES.match(w) or w in _FILLERS)]
+    at = places[-1]
+    axis = words.pop(at)
+    quantity = quantity_of(words)
+    letter = at - 1 if letters and not quantity and at and words[at - 1] in _LETTERS else None
+    if letter is not None:
+        quantity = _LETTERS[words[letter]]
+    mine = [
+        word
+        for k, word in enumerate(words)
+        if k != letter and not (_OF_QUANTITIES.match(word) or word in _FILLERS)
+    ]
     return Named(
         axis,
         quantity,
@@ -149,7 +159,11 @@ def words_of(text: str) -> list[str]:
     found: list[str] = []
     for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-zäöüß]+|[0-9]+", text):
         word = part.lower()
-        if len(word) > 1 and word[-1] in AXES and quantity_of([word[:-1]], letters=True):
+        if (
+            len(word) > 1
+            and word[-1] in AXES
+            and (quantity_of([word[:-1]], letters=True) or word[:-1] in _LAST)
+        ):
             found += [word[:-1], word[-1]]
         else:
             found.append(word)
@@ -207,7 +221,7 @@ def is_orientation(column: str) -> bool:
 
 def _without_units(text: str) -> tuple[str, list[str]]:
     """Return a name without the units at its end, and those, the last one first."""
-    plain = text.replace("²", "2").replace("^", "").replace("**", "").replace("·", ".")
+    plain = text.translate(_RAISED).replace("^", "").replace("**", "").replace("·", ".")
     # Keyboards have the ordinal sign and the ring where the degree sign is wanted.
     plain = re.sub("[µμ]", "u", re.sub("[°º˚]", "deg", plain)).replace("(s2)", "s2")
     plain = _G_FORCE.sub("gforce ", plain)
@@ -218,6 +232,11 @@ def _without_units(text: str) -> tuple[str, list[str]]:
         written.append(tail[1].lower())
         plain = plain[: tail.start()]
     return _QUOTIENT.sub("", plain), written
+
+
+def is_of_quantity(word: str) -> bool:
+    """Return whether a word is part of what quantities are called, and of no sensor's name."""
+    return _OF_QUANTITIES.match(word) is not None
 
 
 def quantity_of(words: list[str], *, letters: bool = False) -> str:
@@ -240,6 +259,7 @@ def quantity_of(words: list[str], *, letters: bool = False) -> str:
 __all__ = [
     "AXES",
     "Named",
+    "is_of_quantity",
     "is_orientation",
     "named",
     "placement_of",

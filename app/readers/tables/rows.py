@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.readers.tables.clocks.of_day import CLOCK
+from app.readers.tables.clocks.counter import COUNT
+from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.head import TableHead, is_number
 from app.readers.tables.names import placement_of, quantity_of, words_of
 from app.readers.tables.units import Body
@@ -24,45 +25,20 @@ _FEWEST_ROWS: Final = 8
 _EVEN: Final = (0.5, 1.5)
 _MOST_UNEVEN: Final = 0.2
 """Of the steps of a device: its samples come at one rate."""
-_TURN: Final = 1.5
+_TURN: Final = 1.2
 """Times the mean step of all rows: what one device of several takes at least to its next sample."""
 _OVERLAP: Final = 0.5
 """Of the time of a device: while it was on, others were, too."""
 _JUMP: Final = 3.0
-_DEVICE: Final = frozenset(
-    {
-        "device",
-        "sensor",
-        "imu",
-        "node",
-        "mac",
-        "address",
-        "addr",
-        "serial",
-        "unit",
-        "gerät",
-        "placement",
-        "position",
-    }
-) | {"location", "limb", "segment", "side", "devicename"}
-_NO_DEVICE: Final = frozenset(
-    {"trial", "rep", "repetition", "run", "set", "subject", "participant", "session"}
-) | {
-    *(
-        "round",
-        "block",
-        "phase",
-        "activity",
-        "label",
-        "event",
-        "seq",
-        "sequence",
-        "count",
-        "counter",
-        "sync",
-        "index",
-    )
-}
+_DEVICE: Final = re.compile(
+    r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|unit|gerät|placement|position|location|limb|segment|side"
+)
+"""What a column of devices is called."""
+_NO_DEVICE: Final = re.compile(
+    r"trial|rep(etition)?|run|set|subject|participant|session|round|block|phase|activity|label|event|seq(uence)?"
+    r"|count(er)?|sync|index"
+)
+"""What a column of marks is called, whose values may take turns too."""
 _OF_SIGNALS: Final = frozenset({"gyroscope", "accelerometer", "magnetometer"})
 
 
@@ -116,20 +92,26 @@ def devices_of_rows(
     signals : tuple of str
         Of one quantity: what jumps from device to device.
     """
-    stamps = body.times(time, unit if unit == CLOCK else "s") if time is not None else None
     for column in columns:
-        values, words = _values(body, column), set(words_of(column))
+        values, words = _values(body, column), words_of(column)
         if not 2 <= len(values) <= _MOST_DEVICES or any(
             re.fullmatch(r"[+-]?\d*[.,]\d+", one) for one in values
         ):
             continue
         texts = np.array(body.texts(column))
-        is_named = bool(_DEVICE & words) or all(placement_of(one) is not None for one in values)
+        is_named = any(map(_DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
         # What nobody calls a device makes devices only where its rows take turns and do not belong together.
-        if not is_named and (_NO_DEVICE & words or not _jumps(texts, body.numbers(*signals))):
+        if not is_named and (
+            any(map(_NO_DEVICE.fullmatch, words)) or not _jumps(texts, body.numbers(*signals))
+        ):
             continue
-        at = np.arange(float(texts.size)) if stamps is None else stamps
-        if _take_turns([at[texts == value] for value in values], at):
+        clocks = (
+            [] if time is None else [[body.of_rows({column: value}).seconds(time, unit) for value in values]]
+        )
+        if time is None or unit == COUNT:
+            # Devices may count from numbers of their own: then the order of the rows says it.
+            clocks.append([np.flatnonzero(texts == value).astype(np.float64) for value in values])
+        if any(_take_turns(parts, is_named=is_named) for parts in clocks):
             return Turns(column, values, {})
     return None
 
@@ -145,22 +127,22 @@ def _jumps(texts: NDArray[np.str_], signals: Float) -> bool:
     return float(np.median(across)) > _JUMP * float(np.median(within))
 
 
-def _take_turns(parts: list[Float], at: Float) -> bool:
-    """Return whether each part has an even rate of its own while others are on."""
+def _take_turns(parts: list[Float], *, is_named: bool) -> bool:
+    """Return whether parts are on at once, each at its own rate, which is even where no name says what they are."""
     parts = [one[np.isfinite(one)] for one in parts]
-    at = at[np.isfinite(at)]
     if min(one.size for one in parts) < _FEWEST_ROWS:
         return False
-    # Blocks one below the other begin again: their time is not that of all rows.
-    mean = (at.max() - at.min()) / max(at.size - 1, 1)
+    at = np.concatenate(parts)
+    usually = [usual_interval(np.maximum.accumulate(one)) for one in parts]
+    # Blocks one below the other begin again: in order of their time, and without what all of them miss.
+    steps = np.diff(np.sort(at))
+    mean = float(steps[steps < 2.0 * max(usually)].mean())
     is_slower = False
     for place, one in enumerate(parts):
         steps = np.diff(one)
-        usual = float(np.median(steps))
-        if (
-            usual <= 0.0
-            or float(np.mean((steps < _EVEN[0] * usual) | (steps > _EVEN[1] * usual))) > _MOST_UNEVEN
-        ):
+        usual = usually[place]
+        uneven = (steps < _EVEN[0] * usual) | (steps > _EVEN[1] * usual)
+        if usual <= 0.0 or (not is_named and float(uneven.mean()) > _MOST_UNEVEN):
             return False
         others = np.concatenate([other for k, other in enumerate(parts) if k != place])
         shared = min(one[-1], others.max()) - max(one[0], others.min())
@@ -171,8 +153,10 @@ def _take_turns(parts: list[Float], at: Float) -> bool:
 
 
 def _values(body: Body, column: str) -> tuple[str, ...]:
-    counted = Counter(text for text in body.texts(column) if text)
-    return tuple(counted) if len(counted) <= 4 * _MOST_DEVICES else ()
+    counted = Counter(text for text in body.texts(column) if text and text != column)
+    # A head that stands again, or a damaged row, is no value that takes turns.
+    often = tuple(text for text, rows in counted.items() if rows >= _FEWEST_ROWS)
+    return often if len(often) <= 4 * _MOST_DEVICES else ()
 
 
 def _quantity_said(value: str) -> str:

@@ -114,6 +114,25 @@ def share_rows(one: Float, other: Float) -> bool:
     return fewer == 0 or int((first & second).sum()) >= _MOST_APART * fewer
 
 
+def begun(streams: dict[str, Stream], least_s: float) -> dict[str, float]:
+    """Return how far counters are to be moved that do not count from one moment, s, by stream; none where they do.
+
+    Parameters
+    ----------
+    streams : dict of str to Stream
+        Of several devices, each numbered by its counter.
+    least_s : float
+        Nearer than this to where its first row stands among those of another a counter is the same.
+    """
+    base = min(streams.values(), key=lambda one: int(one.rows[0]))
+    moved: dict[str, float] = {}
+    for name, one in streams.items():
+        place = int(np.searchsorted(base.rows, one.rows[0], side="right")) - 1
+        if place + 1 < base.rows.size and abs(by_s := float(base.time_s[place] - one.time_s[0])) > least_s:
+            moved[name] = by_s
+    return moved
+
+
 def joined(time_s: Float, values: Float, at_s: Float) -> Float:
     """Return samples of one clock at the times of another, shape (M, 3).
 
@@ -141,4 +160,4 @@ def joined(time_s: Float, values: Float, at_s: Float) -> Float:
     return found
 
 
-__all__ = ["Clock", "Stream", "joined", "share_rows", "stream_of"]
+__all__ = ["Clock", "Stream", "begun", "joined", "share_rows", "stream_of"]

@@ -1,10 +1,14 @@
 """Units guessed from the numbers where the names of the columns say none."""
 
+from copy import copy
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from app.readers.tables.clocks.counter import COUNT, gone_on, unwrapped
 from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
+from app.readers.tables.clocks.stamps import UNIT_FACTORS
 from app.readers.tables.head import TableHead, split_line
 from app.readers.units import TO_SI, UNITS
 from estimators.conventions import GRAVITY_MPS2
@@ -22,6 +26,7 @@ _STILL_SHARE: Final = 0.02
 """Of gravity: a sensor whose specific force moves by less is at rest."""
 _TURNED: Final = 0.3
 """So far (rad) must gravity have turned in the sensor before its turning is compared with the gyroscope."""
+_FEWEST: Final = 10
 _AGREES: Final = (0.4, 2.5)
 _ALIKE: Final = 0.6
 """Least correlation of the two turnings."""
@@ -44,6 +49,10 @@ class Body:
         lines = head.body[:-1] if len(head.body) > 1 else head.body
         self._rows = [split_line(line, head.delimiter) for line in lines[:_ROWS]]
         self._places = {name: place for place, name in enumerate(head.columns)}
+        self._at = np.arange(len(self._rows))
+        # Of all rows, split and parsed once.
+        self._written: dict[str, NDArray[np.object_]] = {}
+        self._parsed: dict[str, Float] = {}
 
     @property
     def has_rows(self) -> bool:
@@ -52,16 +61,16 @@ class Body:
 
     def numbers(self, *columns: str) -> Float:
         """Return some columns as numbers, shape (N, C); NaN where there is none."""
-        places = [self._places[name] for name in columns]
-        table = [[_float(row[at]) if at < len(row) else np.nan for at in places] for row in self._rows]
-        found = np.array(table, dtype=np.float64).reshape(-1, len(places))
-        found[np.abs(found) > _LARGEST] = np.nan
-        return found
+        for name in columns:
+            if name not in self._parsed:
+                found = np.array([_float(field) for field in self._column(name).tolist()], dtype=np.float64)
+                found[np.abs(found) > _LARGEST] = np.nan
+                self._parsed[name] = found
+        return np.stack([self._parsed[name][self._at] for name in columns], axis=1)
 
     def texts(self, column: str) -> list[str]:
         """Return a column as it is written; empty where a row ends before it."""
-        at = self._places[column]
-        return [row[at] if at < len(row) else "" for row in self._rows]
+        return [str(one) for one in self._column(column)[self._at].tolist()]
 
     def of_rows(self, rows: dict[str, str]) -> "Body":
         """Return the rows in which columns hold these texts.
@@ -71,20 +80,48 @@ class Body:
         rows : dict of str to str
             See `CsvColumn.rows`.
         """
-        found = Body.__new__(Body)
-        places = [(self._places[name], value) for name, value in rows.items()]
-        found._places = self._places
-        found._rows = [
-            row for row in self._rows if all(at < len(row) and row[at] == value for at, value in places)
-        ]
+        found = copy(self)
+        for name, value in rows.items():
+            found._at = found._at[self._column(name)[found._at] == value]
+        return found
+
+    def _column(self, name: str) -> NDArray[np.object_]:
+        if name not in self._written:
+            at = self._places[name]
+            texts = [row[at] if at < len(row) else "" for row in self._rows]
+            self._written[name] = np.array(texts, dtype=object)
+        return self._written[name]
+
+    def __len__(self) -> int:
+        return int(self._at.size)
+
+    def seconds(self, column: str, unit: str, rate_hz: float | None = None) -> Float:
+        """Return the time of the rows in seconds, shape (N,); a clock that ran over its end goes on.
+
+        Parameters
+        ----------
+        column : str
+        unit : str
+            Of `CsvMapping.time_unit`.
+        rate_hz : float, optional
+            Of a counter; without it in its counts.
+        """
+        found = self.times(column, unit)
+        rows = np.isfinite(found)
+        if unit == COUNT:
+            counted = unwrapped(found[rows])[0]
+            steps = np.diff(counted)
+            usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 1.0
+            found[rows] = counted / (usual * rate_hz if rate_hz else 1.0)
+        elif unit != CLOCK:
+            found[rows] = gone_on(found[rows]) * UNIT_FACTORS[unit]
         return found
 
     def times(self, column: str, unit: str) -> Float:
         """Return a time column in its unit, shape (N,), times of day in seconds; NaN where there is none."""
         if unit != CLOCK:
             return self.numbers(column)[:, 0]
-        at = self._places[column]
-        return seconds_of_clock([row[at] if at < len(row) else None for row in self._rows])[0]
+        return seconds_of_clock(self.texts(column))[0]
 
 
 def _float(field: str) -> float:
@@ -121,16 +158,15 @@ def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None) -> str:
     step_s : float or None
         Between two rows.
     """
+    turning = np.linalg.norm(gyroscope[np.isfinite(gyroscope).all(axis=1)], axis=1)
+    fastest = float(np.percentile(turning, 99.0)) if turning.size >= _FEWEST else 0.0
+    if fastest > _FASTEST_RADPS:
+        return "deg/s" if fastest * TO_SI["deg/s"] < 2.0 * _FASTEST_RADPS else "mdps"
     rows = np.isfinite(gyroscope).all(axis=1) & np.isfinite(force).all(axis=1)
     gyroscope, force = gyroscope[rows], force[rows]
     size = np.linalg.norm(force, axis=1)
-    if len(gyroscope) < 10 or not (size > 0.0).all():
+    if len(gyroscope) < _FEWEST or not (size > 0.0).all():
         return ""
-    turning = np.linalg.norm(gyroscope, axis=1)
-    if float(np.percentile(turning, 99.0)) > _FASTEST_RADPS:
-        return (
-            "deg/s" if float(np.percentile(turning, 99.0)) * TO_SI["deg/s"] < 2.0 * _FASTEST_RADPS else "mdps"
-        )
     if step_s and (found := _by_turning(gyroscope, force / size[:, None], size, step_s)):
         return found
     is_still = float(np.std(force, axis=0).max()) < _STILL_SHARE * float(np.median(size))

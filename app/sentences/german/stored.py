@@ -49,6 +49,16 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "table.no_column": "In der Datei fehlt die Spalte {missing:and}. Sie hat: {present}. Berichtigen Sie die"
     " Zuordnung.",
     "table.no_rows": "Die Datei hat einen Kopf, aber keine Zeilen.",
+    "table.rows_of_none": {
+        "one": "Eine Zeile ist weggelassen: Kein Sensor heißt in {column} {values:and}.",
+        "other": "{count:number} Zeilen sind weggelassen: Kein Sensor heißt in {column} {values:and}.",
+    },
+    "table.rows_of_nobody": {
+        "one": "Eine Zeile ist weggelassen: {column} sagt dort nichts.",
+        "other": "{count:number} Zeilen sind weggelassen: {column} sagt dort nichts.",
+    },
+    "table.counters_apart": "Die Zähler von {where:and} beginnen bei anderen Zahlen als der erste; ihre Messwerte gelten"
+    " als von der Zeit der Zeilen daneben.",
     "table.joined": "Die Größen von {where:place} haben eigene Zeiten; sie werden nach der Zeit zusammengeführt.",
     "table.clocks_apart": "Die Uhren von {where:and} haben keine Zeit gemeinsam: Zwei von ihnen waren nie zugleich"
     " an. Laden Sie jeden Sensor für sich hoch, oder wählen Sie eine Uhr für alle.",

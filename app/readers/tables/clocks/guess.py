@@ -6,7 +6,7 @@ choice becomes a note.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -17,7 +17,7 @@ from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.clocks.of_day import CLOCK
 from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
 from app.readers.tables.head import TableHead
-from app.readers.tables.names import quantity_of, time_unit_of, without_unit, words_of
+from app.readers.tables.names import is_of_quantity, quantity_of, time_unit_of, without_unit, words_of
 from app.readers.tables.units import Body
 from app.sentences import Sentence, say
 from estimators.recording import Float
@@ -47,8 +47,12 @@ _OF_OTHERS: Final = re.compile(
 )
 _TICK_S: Final = (1e-6, 1e-4)
 """Of fine sample times whose rate nobody says: microseconds, or the ticks of 10 kHz of older devices."""
+_SLOWEST_HZ: Final = 10.0
 _USUAL_STEP_S: Final = 0.999e-3
 _AGREES: Final = (0.8, 1.25)
+_ARRIVED: Final = 0.5
+"""Of a usual step: samples that follow closer arrived together."""
+_MOST_ARRIVED: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,7 @@ class _Stamps:
     column: str
     unit: str
     step_s: float
+    is_arrival: bool = False
 
 
 def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | None = None) -> TimeGuess:
@@ -97,12 +102,14 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
     """
     said_hz = rate_said(head.preamble) if rate_hz is None else rate_hz
     others = [column for column in head.columns if column not in signals]
-    named = [c for c in others if _TIME & set(words_of(c)) and not _NO_STAMP & set(words_of(c))]
+    named = [column for column in others if _is_time(words_of(column))]
     named.sort(key=lambda column: not time_unit_of(column))
     unnamed = [c for c in others[:1] if _COUNTED.match(c)]
     clocks = [found for c in (*named, *unnamed) if (found := _stamps(body, c, said_hz, is_named=c in named))]
     if clocks:
-        return _of_stamps(clocks[0], said_hz)
+        # Stamps of arrival come in bursts; beside them may stand those of the device.
+        clocks.sort(key=lambda one: one.is_arrival)
+        return _of_stamps(clocks[0], said_hz, [one.column for one in clocks[1:]])
     if (text := _text_clock(others, body)) is not None:
         return _of_stamps(text, said_hz)
     counted = {
@@ -111,7 +118,12 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
         if (step := _counted_by(body, column)) is not None
     }
     for column, step in counted.items():
-        rate = said_hz or (_rate_of_ticks(step) if "fine" in words_of(column) else None)
+        of_ticks = _rate_of_ticks(step, said_hz) if "fine" in words_of(column) else None
+        if of_ticks is not None and of_ticks[0] == _TICK_S[0]:
+            # Stamps, which several streams share.
+            note = say("guess.microseconds", column=column, rate_hz=of_ticks[1])
+            return TimeGuess(column, "us", None, 1.0 / of_ticks[1], (note,))
+        rate = said_hz or (of_ticks[1] if of_ticks else None)
         if rate is not None:
             note = say("guess.counter", column=column, rate_hz=rate)
             return TimeGuess(column, COUNT, rate, 1.0 / rate, (note,))
@@ -139,23 +151,41 @@ def own_clocks(
     columns : set of str
         Of the signals.
     """
-    clocks: dict[tuple[str, str], str] = {}
-    for column in head.columns:
-        words = words_of(without_unit(column))
-        if column in columns or not _TIME & set(words) or _NO_STAMP & set(words):
-            continue
-        left = [word for word in words if word not in _TIME]
-        quantity = quantity_of(left)
-        device = "_".join(word for word in left if not (quantity and quantity_of([word])))
-        if left and _stamps(body, column, None, is_named=True) is not None:
-            clocks.setdefault((device, quantity), column)
+    clocks = [
+        (column, words)
+        for column in head.columns
+        if column not in columns
+        and _is_time(words := words_of(without_unit(column)))
+        and _stamps(body, column, None, is_named=True) is not None
+    ]
     found: dict[tuple[str, str], str] = {}
     for device, quantity in signals:
-        own = clocks.get((device, quantity)) or clocks.get((device, "")) or clocks.get(("", quantity))
-        if own is None:
+        fits = {column: _belongs(words, device, quantity) for column, words in clocks}
+        own = max(fits, key=lambda column: fits[column], default=None)
+        if own is None or not fits[own]:
             return {}
         found[device, quantity] = own
     return found if len(set(found.values())) > 1 else {}
+
+
+def _belongs(words: list[str], device: str, quantity: str) -> int:
+    """Return how well a time column's words name a signal; 0 where they name another one, or none."""
+    rest, mine = list(words), [word for word in device.split("_") if word]
+    is_device = bool(mine) and all(word in rest for word in mine)
+    for word in mine if is_device else ():
+        rest.remove(word)
+    left = [word for word in rest if word not in _TIME]
+    if len(left) == len(rest) or not all(is_of_quantity(word) for word in left):
+        return 0
+    if left and quantity_of(left) != quantity:
+        return 0
+    return 2 * is_device + bool(left)
+
+
+def _is_time(words: list[str]) -> bool:
+    """Return whether words name a time; `second` may be a device."""
+    said = _TIME & set(words)
+    return bool(said) and not _NO_STAMP & set(words) and (said != {"second"} or len(words) == 1)
 
 
 def rate_said(lines: Iterable[str]) -> float | None:
@@ -180,8 +210,8 @@ def rate_said(lines: Iterable[str]) -> float | None:
     return rates.pop() if len(rates) == 1 else None
 
 
-def _of_stamps(clock: _Stamps, said_hz: float | None) -> TimeGuess:
-    notes = []
+def _of_stamps(clock: _Stamps, said_hz: float | None, left: Sequence[str] = ()) -> TimeGuess:
+    notes = [say("guess.clocks_left", columns=list(left), column=clock.column)] if left else []
     if said_hz is not None and not _AGREES[0] < said_hz * clock.step_s < _AGREES[1]:
         notes.append(say("guess.rate_left", said_hz=said_hz, column=clock.column, rate_hz=1.0 / clock.step_s))
     return TimeGuess(clock.column, clock.unit, None, clock.step_s, tuple(notes))
@@ -209,7 +239,9 @@ def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -
     ):
         # It counts, or measures, something else.
         return None
-    return _Stamps(column, unit, usual * UNIT_FACTORS[unit])
+    return _Stamps(
+        column, unit, usual * UNIT_FACTORS[unit], bool((steps < _ARRIVED * usual).mean() > _MOST_ARRIVED)
+    )
 
 
 def _usual(values: Float, written: str) -> float:
@@ -244,10 +276,10 @@ def _counted_by(body: Body, column: str) -> float | None:
     return usual if usual > 0.0 and (steps >= 0.0).mean() > 0.9 else None
 
 
-def _rate_of_ticks(step: float) -> float | None:
-    """Return the rate that the step of fine sample times says."""
-    rates = [1.0 / (step * tick) for tick in _TICK_S]
-    return next((rate for rate in rates if 10.0 <= rate <= HIGHEST_HZ), None)
+def _rate_of_ticks(step: float, said_hz: float | None) -> tuple[float, float] | None:
+    """Return the tick of fine sample times and the rate that their step says; None where it says none."""
+    low, high = (0.9 * said_hz, 1.1 * said_hz) if said_hz else (_SLOWEST_HZ, HIGHEST_HZ)
+    return next(((tick, rate) for tick in _TICK_S if low <= (rate := 1.0 / (step * tick)) <= high), None)
 
 
 __all__ = ["TimeGuess", "guess_time", "own_clocks", "rate_said"]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
+from app.readers.tables.clocks.counter import gone_on
 from app.sentences import Sentence, say
 from estimators.recording import Float
 
@@ -22,14 +23,15 @@ _LONGEST_BURST_S: Final = 0.5
 """Packets that hold several samples come more often than this; what is longer is a pause."""
 _SHORTEST_STEP_S: Final = 2.5e-3
 """Rows that follow each other faster than 400 Hz between holes arrived together; hardly any sensor measures so."""
+_ALIKE: Final = 0.1
+"""Of the interval: packets that differ by less are whole."""
+_LOST: Final = 0.75
+"""Of a sample: where a packet has so much less than fits into its time, one is missing."""
 _FEW_PAUSES: Final = 200
 """Of so many steps one may be a pause, which says nothing of the rate."""
 BREAK_S: Final = 1.0
 """Between two stretches of a clock that started again: how long the pause was is not known, but too long to bridge."""
 _MOST_SHARE: Final = 0.1
-_WRAPS: Final = (2.0**16, 2.0**24, 2.0**32)
-_NEAR_WRAP: Final = 20.0
-"""In steps: so far from its end may the last stamp of a counter be that starts again at zero."""
 _LATE_S: Final = 1.0
 """Rows that lie behind for longer than this are a clock that was set back, not packets that came late."""
 
@@ -76,11 +78,11 @@ def mended(column: Float, factor: float, values: Float | None = None) -> MendedT
     rows = np.flatnonzero(np.isfinite(column))
     if rows.size < column.size:
         notes.append(say("time.missing", count=column.size - rows.size))
-    time = column[rows] * factor
+    time = gone_on(column[rows]) * factor
     backwards = int((np.diff(time) < 0).sum())
     if backwards > _MOST_SHARE * column.size or np.unique(time[:1000]).size < 2:
         raise RecordingFormatError(say("time.does_not_advance"), count=backwards)
-    time, breaks = _gone_on(time, _usual_step(time), factor)
+    time, breaks = _set_back(time, _usual_step(time))
     if breaks:
         notes.append(say("time.set_back", count=breaks, pause_s=BREAK_S))
     stays = _in_order(time)
@@ -184,11 +186,22 @@ def usual_interval(time_s: Float) -> float:
 def _spread(time_s: Float, starts: NDArray[np.intp], length: NDArray[np.intp]) -> Float:
     """Spread groups of samples evenly, each from its first stamp up to that of the next group."""
     to_next = np.append(np.diff(time_s[starts]), np.nan) / length
-    # A pause after the last of them is no time in which they were measured.
-    usual = float(np.nanmedian(to_next)) if starts.size > 1 else APART_S
-    each = np.minimum(np.where(np.isfinite(to_next), to_next, usual), 2.0 * usual)
+    typical = float(np.nanmedian(np.repeat(to_next, length))) if starts.size > 1 else APART_S
+    # The recording began within the first of them.
+    typical = float(np.nanmedian(np.repeat(to_next, length)[length[0] :])) if starts.size > 2 else typical
+    alike = np.abs(to_next - typical) < _ALIKE * typical
+    alike[0] &= starts.size < 3
+    usual = float((to_next * length)[alike].sum() / length[alike].sum()) if alike.any() else typical
+    # A pause after the last of them, or samples that are lost, are no time in which the others were measured.
+    is_whole = (to_next / usual - 1.0) * length < _LOST
+    each = np.where(is_whole, to_next, usual)
+    first = time_s[starts]
+    if to_next[0] > usual:
+        # The recording began within a tick of its clock: what there is of it stands before the next one.
+        each[0] = usual
+        first[0] = first[1] - length[0] * usual
     place = np.arange(time_s.size) - np.repeat(starts, length)
-    return np.asarray(np.repeat(time_s[starts], length) + place * np.repeat(each, length))
+    return np.asarray(np.repeat(first, length) + place * np.repeat(each, length))
 
 
 def _usual_step(time: Float) -> float:
@@ -197,11 +210,8 @@ def _usual_step(time: Float) -> float:
     return float(np.median(steps)) if steps.size else 0.0
 
 
-def _gone_on(time: Float, step: float, factor: float) -> tuple[Float, int]:
-    """Let a clock that starts again go on; return how often it did after a pause of unknown length.
-
-    A counter that ran over its end goes on without one.
-    """
+def _set_back(time: Float, step: float) -> tuple[Float, int]:
+    """Let a clock that starts again go on after a pause of unknown length; return how often it did."""
     shift, breaks = np.zeros(time.size), 0
     for at in (np.flatnonzero(np.diff(time) < 0) + 1).tolist():
         before = float(time[at - 1])
@@ -211,10 +221,8 @@ def _gone_on(time: Float, step: float, factor: float) -> tuple[Float, int]:
             continue
         if at >= 2 and time[at - 2] < time[at] < before:
             continue
-        near = _NEAR_WRAP * step
-        wraps = any(abs(size * factor - before) < near and time[at] < near for size in _WRAPS)
-        shift[at] = before - time[at] + (step if wraps else BREAK_S)
-        breaks += not wraps
+        shift[at] = before - time[at] + BREAK_S
+        breaks += 1
     return np.asarray(time + np.cumsum(shift)), breaks
 
 

@@ -7,6 +7,8 @@ from app.sentences import say
 from estimators.recording import Float
 
 LOWEST_HZ, HIGHEST_HZ = 10.0, 4000.0
+_EVEN, _APART = 1.5, 0.05
+"""Steps: as far as stamps of an even rate stray that are coarse; a share: holes make the mean step longer."""
 UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -85,14 +87,19 @@ def units_of(step: float) -> list[str]:
 
 def nominal_rate(time_s: Float) -> float:
     """Return the rate that a device was set to: a whole number when the stamps say nearly that."""
-    measured = 1.0 / float(np.median(np.diff(time_s)))
+    steps = np.diff(time_s)
+    middle, mean = float(np.median(steps)), float(time_s[-1] - time_s[0]) / steps.size
+    # In whole milliseconds the steps of 128 Hz are 7 and 8: their mean is right, without those of missing samples.
+    usual = float(steps[(steps > 0.49 * middle) & (steps < 1.51 * middle)].mean())
+    if (
+        abs(mean / usual - 1.0) > _APART
+        and np.abs(time_s - time_s[0] - mean * np.arange(time_s.size)).max() < _EVEN * middle
+    ):
+        # None is missing: of 800 Hz the steps are 1 and 2.
+        usual = mean
+    measured = 1.0 / usual
     whole = round(measured)
-    # Stamps in whole milliseconds make 100/3 ms steps look like 33 or 34; the mean rate settles it.
-    mean = (time_s.size - 1) / float(time_s[-1] - time_s[0])
-    for rate in (measured, mean):
-        if abs(rate - whole) < 2e-3 * whole:
-            return float(whole)
-    return measured
+    return float(whole) if abs(measured - whole) < 2e-3 * whole else measured
 
 
 __all__ = ["HIGHEST_HZ", "LOWEST_HZ", "UNIT_FACTORS", "check_unit", "nominal_rate", "seconds_of", "units_of"]
