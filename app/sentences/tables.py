@@ -73,8 +73,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " each sensor by itself, or choose one clock for all.",
     "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
     "guess.own_clocks": "The sensors have clocks of their own: {columns:and}. They are taken to count from one moment.",
-    "table.counters_apart": "The counters of {where:and} begin at other numbers than the first one; their samples are taken"
-    " to be of the time of the rows beside them.",
+    "table.counters_apart": "The counters of {where:and} begin at other numbers than the first one; their samples are"
+    " taken to be of the time of the rows beside them.",
     "table.sensors_joined": "The stamps of {where:and} differ; all are brought to one time.",
     "time.pauses": {
         "one": "The recording pauses once, for {longest_s:s}; nothing is known in between.",
