@@ -57,8 +57,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
         "one": "Eine Zeile ist weggelassen: {column} sagt dort nichts.",
         "other": "{count:number} Zeilen sind weggelassen: {column} sagt dort nichts.",
     },
-    "table.counters_apart": "Die Zähler von {where:and} beginnen bei anderen Zahlen als der erste; ihre Messwerte gelten"
-    " als von der Zeit der Zeilen daneben.",
+    "table.counters_apart": "Die Zähler von {where:and} beginnen bei anderen Zahlen als der erste; ihre Messwerte"
+    " gelten als von der Zeit der Zeilen daneben.",
     "table.joined": "Die Größen von {where:place} haben eigene Zeiten; sie werden nach der Zeit zusammengeführt.",
     "table.clocks_apart": "Die Uhren von {where:and} haben keine Zeit gemeinsam: Zwei von ihnen waren nie zugleich"
     " an. Laden Sie jeden Sensor für sich hoch, oder wählen Sie eine Uhr für alle.",
