@@ -82,6 +82,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     },
     "file.averaged_down": "{from_hz:hz} are more than movement needs: the means of {count:number} samples each are"
     " estimated, at {rate_hz:hz}.",
+    "file.slow": "{rate_hz:hz.1} are less than the {least_hz:hz} that orientation needs: what turns between two samples"
+    " is not seen. The angles hold for slow movement only; of faster movement they are wrong by more than the stated"
+    " uncertainty.",
     "table.iron": "{where:place}: the compass was never calibrated. Iron of {field_t:ut} on the device was found by its"
     " turning and is taken out.",
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
@@ -100,6 +103,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.counter": "{column} counts the samples, at {rate_hz:hz.1}; where it jumps, samples are missing.",
     "guess.clocks_left": "{columns:and} hold times too; {column} was taken.",
     "guess.microseconds": "{column} is taken to count microseconds; the rows come at {rate_hz:hz.1}.",
+    "guess.time_unit": "{column} says no unit of time; {unit} is assumed, so that the rows come at {rate_hz:hz.1}.",
     "guess.counter_needs_rate": "No column is a time; {column} counts the samples. Give the rate.",
     "guess.rate_left": "A line above the table, or you, said {said_hz:hz}; by {column} the rows come at"
     " {rate_hz:hz}. The column was taken.",

@@ -209,6 +209,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Messwerte.",
     "guess.clocks_left": "Auch {columns:and} enthalten Zeiten; genommen wurde {column}.",
     "guess.microseconds": "{column} zählt, so die Annahme, Mikrosekunden; die Zeilen kommen mit {rate_hz:hz.1}.",
+    "guess.time_unit": "{column} nennt keine Zeiteinheit; angenommen wird {unit}, also kommen die Zeilen mit"
+    " {rate_hz:hz.1}.",
     "guess.counter_needs_rate": "Keine Spalte ist eine Zeit; {column} zählt die Messwerte. Geben Sie die Rate an.",
     "guess.rate_left": "Eine Zeile über der Tabelle, oder Sie, sagten {said_hz:hz}; nach {column} kommen die"
     " Zeilen mit {rate_hz:hz}. Die Spalte wurde genommen.",

@@ -59,6 +59,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     },
     "table.counters_apart": "Die Zähler von {where:and} beginnen bei anderen Zahlen als der erste; ihre Messwerte"
     " gelten als von der Zeit der Zeilen daneben.",
+    "file.slow": "{rate_hz:hz.1} sind weniger als die {least_hz:hz}, die eine Orientierung braucht: Was sich zwischen"
+    " zwei Messwerten dreht, ist nicht zu sehen. Die Winkel gelten nur für langsame Bewegung; bei schnellerer sind sie"
+    " um mehr als die angegebene Unsicherheit falsch.",
     "table.joined": "Die Größen von {where:place} haben eigene Zeiten; sie werden nach der Zeit zusammengeführt.",
     "table.clocks_apart": "Die Uhren von {where:and} haben keine Zeit gemeinsam: Zwei von ihnen waren nie zugleich"
     " an. Laden Sie jeden Sensor für sich hoch, oder wählen Sie eine Uhr für alle.",

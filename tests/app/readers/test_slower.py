@@ -39,3 +39,21 @@ def test_a_hole_stays_a_hole():
 def test_what_is_slow_enough_stays_as_it_is():
     as_it_is = recording(1000.0, np.arange(2000) / 1000.0)
     assert slower(as_it_is) is as_it_is
+
+
+def test_few_samples_a_second_are_filled_up_and_that_is_said():
+    time_s = np.delete(np.arange(40) / 4.0, np.arange(20, 26))
+    found = slower(Recording({"imu": recording(4.0, time_s).sensors["imu"]}, 4.0))
+    signals = found.sensors["imu"]
+    assert (found.nominal_rate_hz, codes(found.notes)) == (20.0, ["file.slow"])
+    np.testing.assert_allclose(np.diff(signals.time_s)[:95], 0.05, atol=1e-9)
+    # A hole stays one.
+    assert np.diff(signals.time_s).max() == pytest.approx(7 / 4.0)
+    there = np.isin(np.round(signals.time_s, 6), np.round(time_s, 6))
+    np.testing.assert_array_equal(
+        signals.gyroscope_radps[there], recording(4.0, time_s).sensors["imu"].gyroscope_radps
+    )
+    middle = 0.5 * (signals.gyroscope_radps[0] + signals.gyroscope_radps[5])
+    np.testing.assert_allclose(
+        0.5 * (signals.gyroscope_radps[2] + signals.gyroscope_radps[3]), middle, atol=1e-12
+    )

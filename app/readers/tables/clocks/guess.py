@@ -86,6 +86,8 @@ class _Stamps:
     unit: str
     step_s: float
     is_arrival: bool = False
+    is_assumed: bool = False
+    """Whether another unit would fit as well."""
 
 
 def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | None = None) -> TimeGuess:
@@ -212,6 +214,9 @@ def rate_said(lines: Iterable[str]) -> float | None:
 
 def _of_stamps(clock: _Stamps, said_hz: float | None, left: Sequence[str] = ()) -> TimeGuess:
     notes = [say("guess.clocks_left", columns=list(left), column=clock.column)] if left else []
+    if clock.is_assumed:
+        rate_hz = 1.0 / clock.step_s
+        notes.append(say("guess.time_unit", column=clock.column, unit=clock.unit, rate_hz=rate_hz))
     if said_hz is not None and not _AGREES[0] < said_hz * clock.step_s < _AGREES[1]:
         notes.append(say("guess.rate_left", said_hz=said_hz, column=clock.column, rate_hz=1.0 / clock.step_s))
     return TimeGuess(clock.column, clock.unit, None, clock.step_s, tuple(notes))
@@ -227,7 +232,10 @@ def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -
     written = time_unit_of(column)
     usual = _usual(values, written)
     # A unit that nobody wrote, and no rate that somebody said, must make a rate that most sensors have.
-    fitting = [u for u in units_of(usual) if written or said_hz or usual * UNIT_FACTORS[u] >= _USUAL_STEP_S]
+    possible = units_of(usual)
+    fitting = [u for u in possible if written or said_hz or usual * UNIT_FACTORS[u] >= _USUAL_STEP_S]
+    # Fewer samples a second than a filter can use have few tables.
+    fitting.sort(key=lambda one: usual * UNIT_FACTORS[one] > 1.001 / _SLOWEST_HZ)
     if not is_named and (not fitting or (abs(usual - round(usual)) < 1e-6 * usual and fitting[0] != "s")):
         # A number of the row.
         return None
@@ -239,9 +247,9 @@ def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -
     ):
         # It counts, or measures, something else.
         return None
-    return _Stamps(
-        column, unit, usual * UNIT_FACTORS[unit], bool((steps < _ARRIVED * usual).mean() > _MOST_ARRIVED)
-    )
+    is_arrival = bool((steps < _ARRIVED * usual).mean() > _MOST_ARRIVED)
+    is_assumed = not written and not said and len(possible) > 1
+    return _Stamps(column, unit, usual * UNIT_FACTORS[unit], is_arrival, is_assumed)
 
 
 def _usual(values: Float, written: str) -> float:

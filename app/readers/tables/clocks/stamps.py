@@ -6,7 +6,7 @@ from app.errors import RecordingFormatError
 from app.sentences import say
 from estimators.recording import Float
 
-LOWEST_HZ, HIGHEST_HZ = 10.0, 4000.0
+LOWEST_HZ, HIGHEST_HZ = 1.0, 4000.0
 _EVEN, _APART = 1.5, 0.05
 """Steps: as far as stamps of an even rate stray that are coarse; a share: holes make the mean step longer."""
 UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
