@@ -17,6 +17,7 @@ from app.commands.options.simulate import SimulateOptions
 from app.commands.options.tables import mapping, upload
 from app.commands.options.words import (
     Guess,
+    Hemisphere,
     Mapping,
     NewPassword,
     OutFolder,
@@ -166,10 +167,7 @@ def process(
     force: Annotated[
         bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
     ] = False,
-    hemisphere: Annotated[
-        str,
-        typer.Option(help="north, south or unknown: where it was recorded; tells a reversed accelerometer."),
-    ] = "north",
+    hemisphere: Hemisphere = "",
 ) -> None:
     """Estimate a recording without a server; writes frames.parquet, frames.csv, columns.json, setup.json.
 
@@ -188,7 +186,7 @@ def process(
         pose,
         parameters,
         force,
-        hemisphere,
+        hemisphere or "north",
         guess,
     )
 

@@ -82,11 +82,11 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
     """
     from app.readers.tables.preview import Preview
 
-    if table.suffix.lower() not in readers.TEXT:
-        # What says by itself what it is needs no guess; who knows it refuses it in its own words.
-        format = readers.guess(table)
-        own = cast("PipelineName", readers.reader_of(format).pipeline or pipeline)
-        return Preview(format, own)
+    format = readers.guess(table)
+    reader = readers.reader_of(format)
+    if not reader.needs_mapping and not readers.TEXT & reader.endings:
+        # What says by itself what it is needs no guess.
+        return Preview(format, cast("PipelineName", reader.pipeline or pipeline))
     asked = cast("PipelineName | None", pipeline or None)
     return readers.preview_text(table.name, readers.start_of(table), asked, rate_hz)
 
@@ -119,7 +119,10 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
             if written
             else "Write one with `telemotion mapping` and pass it"
         )
-        raise InvalidInput(f"{' '.join(guess.missing)}{options} {complete} with --mapping.")
+        raise InvalidInput(
+            f"{' '.join(guess.missing)}{options} {complete} with --mapping.",
+            missing=[one.code for one in guess.missing],
+        )
     for line in guess.notes:
         typer.echo(f"note: {line}", err=True)
     from app.readers.tables.schemas import CsvMapping

@@ -2,13 +2,16 @@
 
 import json
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final, cast
 
 import typer
 
 from app import readers
 from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from estimators.calibration import Hemisphere
 
 _BURSTS: Final = "magnetic_bursts"
 
@@ -85,5 +88,8 @@ def process(
     from app.commands.processing.estimate import Asked, estimate
 
     estimate(
-        measured, recording, out, Asked(format, pipeline, orientation, rate, pose, given, force, hemisphere)
+        measured,
+        recording,
+        out,
+        Asked(format, pipeline, orientation, rate, pose, given, force, cast("Hemisphere", hemisphere)),
     )

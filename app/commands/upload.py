@@ -77,6 +77,9 @@ async def finished(service: ServiceClient, session_id: str, show: bool = False) 
         if jobs and all(job.status == "complete" for job in jobs):
             state = await service.state(session_id)
             if state.state in {"analysed", "failed"}:
+                for job in jobs if show else ():
+                    if job.message:
+                        typer.echo(f"note: {job.message}", err=True)
                 return
         await asyncio.sleep(POLL_S)
 
@@ -127,7 +130,7 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
             "format": format,
             "file_name": recording.name[-200:],
             "csv": columns,
-            "pipeline": pipeline or "arm",
+            "pipeline": pipeline or None,
             "accept_implausible": wanted.force,
             "hemisphere": wanted.hemisphere,
             "recorded_at": wanted.recorded_at and wanted.recorded_at.astimezone().isoformat(),

@@ -14,7 +14,7 @@ _SHOWN_COLUMNS = 300
 @router.post("/uploads/preview")
 def preview_upload(wanted: PreviewIn, _: CurrentSubject) -> TablePreview:
     """Guess how a table is to be read, as `telemotion mapping` does; nothing of it is stored."""
-    found = readers.preview_text(wanted.file_name, wanted.beginning, wanted.pipeline)
+    found = readers.preview_text(wanted.file_name, wanted.beginning, wanted.pipeline, wanted.rate_hz)
     head, guess = found.head, found.guess
     return TablePreview.model_validate(
         {

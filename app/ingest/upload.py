@@ -5,6 +5,7 @@ task's work, in the worker process, with progress. A file is removed when its ta
 (`app.recordings.files_in_passing`).
 """
 
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Final, cast
@@ -138,7 +139,7 @@ def register(
         patient = repository.patient_of(
             session, subject, declaration.patient_id, repository.recording_level(declaration.purpose)
         )
-        kind = pipeline_of(declaration)
+        kind = pipeline_of(declaration, placements)
         setup = service.checked(
             SessionSetup(
                 pipeline=kind,
@@ -176,9 +177,17 @@ def _recorded_at(declaration: UploadIn, path: Path) -> datetime | None:
     return readers.LogReader(path).recorded_at
 
 
-def pipeline_of(declaration: UploadIn) -> str:
-    """Return the pipeline of an upload: some formats hold nothing else."""
-    return (declaration.format and readers.reader_of(declaration.format).pipeline) or declaration.pipeline
+def pipeline_of(declaration: UploadIn, placements: Sequence[str]) -> str:
+    """Return the pipeline of an upload: some formats hold nothing else; by default what its sensors are worn for.
+
+    Parameters
+    ----------
+    declaration : UploadIn
+    placements : sequence of str
+        Of its sensors, as far as they are known.
+    """
+    only = declaration.format and readers.reader_of(declaration.format).pipeline
+    return only or declaration.pipeline or readers.pipeline_for(list(placements))
 
 
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:

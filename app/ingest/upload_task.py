@@ -16,10 +16,11 @@ from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest.upload import pipeline_of
 from app.network.declaration import Declaration
 from app.network.raw_packet import RawPacket
+from app.readers.judged import judged
 from app.readers.moments import RECORDED_AT
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import Wanted, kind_of, kinds
-from app.recordings.analysis.offline import Analysis, stretches
+from app.recordings.analysis.offline import Analysis, StoredSession
 from app.recordings.analysis.reprocess import count_session, enqueue_comparison
 from app.recordings.files_in_passing import file_of
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
@@ -28,7 +29,6 @@ from app.recordings.schemas import UploadIn
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
 from app.recordings.signals.rows import insert_chunk
 from app.sentences import CATALOGUE, say
-from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
 from estimators.pipelines import SessionSetup
 
 _CHUNK_TICKS: Final = 100
@@ -54,33 +54,29 @@ def upload(context: JobContext) -> str:
     if path is None or not path.exists():
         raise RecordingFormatError(say("upload.gone"))
     if declaration.format is None:
-        declaration = _recognised(context, declaration, path)
+        declaration = _recognised(declaration, path)
     try:
         with readers.accepting(declaration.accept_implausible) as doubts:
             notes = _store(context, declaration, path)
+        notes += [*doubts, *_check(context, declaration)]
     except ImplausibleReadings as error:
-        context.remember(implausible=[str(error.details.get("quantity"))])
+        found = error.details.get("codes") or [str(error.details.get("quantity"))]
+        context.remember(implausible=found)
         raise
-    notes += [*doubts]
-    notes += _check(context, declaration)
     analysis = _analyse(context, declaration)
     _finish(context, analysis)
     return CATALOGUE.together([analysis.message, *notes])
 
 
-def _recognised(context: JobContext, declaration: UploadIn, path: Path) -> UploadIn:
-    """Find what a file is that was sent without its format, and make its session one of that kind.
+def _recognised(declaration: UploadIn, path: Path) -> UploadIn:
+    """Find what a file is that was sent without its format.
 
     In the task, because a file from outside is opened in no process that serves others.
     """
     format = readers.guess(path, declaration.file_name)
     if readers.reader_of(format).needs_mapping and declaration.csv is None:
         raise RecordingFormatError(say("upload.csv_needs_mapping"))
-    found = declaration.model_copy(update={"format": format})
-    with unit_of_work(context.engine) as session:
-        stored = session.get_one(MotionSession, context.session_id)
-        stored.setup = replace(SessionSetup.from_dict(stored.setup), pipeline=pipeline_of(found)).to_dict()
-    return found
+    return declaration.model_copy(update={"format": format})
 
 
 def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
@@ -90,6 +86,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     notes: list[str] = []
     if readers.reader_of(str(declaration.format)).holds_packets:
         log = readers.LogReader(path)
+        pipeline = pipeline_of(declaration, log.declaration.placements)
         size = path.stat().st_size
         stored_ticks = _write_packets(
             context, (raw for raw, _ in log.packets()), lambda packet: (len(packet.payload) + 44) / size
@@ -102,7 +99,8 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         recording = readers.read(path, str(declaration.format), declaration.csv, declaration.file_name)
         notes += recording.notes
         recorded_at = _moment(recording.metadata.get(RECORDED_AT))
-        kind = kinds()[pipeline_of(declaration)]
+        pipeline = pipeline_of(declaration, recording.placements)
+        kind = kinds()[pipeline]
         with unit_of_work(context.engine) as session:
             recording = kind.put_aside(session, context.session_id, recording)
         prepared = readers.packets_of(recording, any_name=not kind.pipeline.is_worn)
@@ -115,7 +113,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             notes.append(say("file.left_out", names=list(prepared.left_out)))
     if not stored_ticks:
         raise RecordingFormatError(say("log.no_packet"))
-    if not _declare(context, network, recorded_at, with_legs=declaration.with_legs):
+    if not _declare(context, network, pipeline, recorded_at, with_legs=declaration.with_legs):
         notes.append(say("upload.day_unknown"))
     return notes
 
@@ -168,7 +166,7 @@ def _write_chunks(context: JobContext, chunks: list[tuple[int, EncodedChunk]]) -
 
 
 def _declare(
-    context: JobContext, network: Declaration, recorded_at: datetime | None, *, with_legs: bool
+    context: JobContext, network: Declaration, pipeline: str, recorded_at: datetime | None, *, with_legs: bool
 ) -> bool:
     """Write to the session what its gateway would have declared; return whether it is known when it was recorded."""
     with unit_of_work(context.engine) as session:
@@ -176,7 +174,8 @@ def _declare(
         found.hello = network.to_dict()
         found.setup = replace(
             SessionSetup.from_dict(found.setup),
-            placements=kind_of(found.setup).pipeline.used(network.placements, with_legs=with_legs),
+            pipeline=pipeline,
+            placements=kinds()[pipeline].pipeline.used(network.placements, with_legs=with_legs),
             rate_hz=network.rate_hz,
         ).to_dict()
         found.started_at = found.started_at or recorded_at
@@ -193,32 +192,18 @@ def _declare(
         return is_known
 
 
-def _check(context: JobContext, declaration: UploadIn) -> list[str]:
-    """Look whether units, axes and signs can be right and sensors are several; return notes for people.
-
-    Raises
-    ------
-    RecordingFormatError
-        They cannot, and the declaration does not say that this is known.
-    """
+def _check(context: JobContext, declaration: UploadIn) -> tuple[str, ...]:
+    """Look whether units, axes and signs can be right; see `app.readers.judged`."""
     context.progress(_STORED_AT, say("progress.checking"))
     with read_only(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
-    check = RecordingCheck(setup.placements, declaration.hemisphere or context.settings.hemisphere)
-    notes: list[str] = []
-    for number, chunk in enumerate(stretches(context, setup, STRETCH_S)):
-        check.add(chunk)
-        if number == 0 and (copies := [setup.placements[row] for row in same_signals(chunk)]):
-            notes.append(say("upload.same_signals", where=copies))
-    findings = [finding for finding in check.findings if finding.code != "no_data"]
-    refused = [finding for finding in findings if finding.severity == "refuse"]
-    if refused and not declaration.accept_implausible:
-        context.remember(implausible=[finding.code for finding in refused])
-        raise RecordingFormatError(
-            say("upload.implausible", findings=in_words(refused)),
-            findings=[{"sensor": f.sensor, "code": f.code} for f in refused],
-        )
-    return [in_words(findings), *notes] if findings else notes
+    return judged(
+        StoredSession(context, setup),
+        setup.placements,
+        declaration.hemisphere or context.settings.hemisphere,
+        is_accepted=declaration.accept_implausible,
+        remedy=say("upload.correct_or_accept"),
+    )
 
 
 def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:

@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from app.errors import RecordingFormatError
 from app.readers.tables.text import encoding_of, start_of
 
 if TYPE_CHECKING:
@@ -55,6 +56,15 @@ class Source:
         return start_of(self.path)
 
     @cached_property
+    def is_text(self) -> bool:
+        """Whether it can be read as text."""
+        try:
+            encoding_of(self.start)
+        except RecordingFormatError:
+            return False
+        return True
+
+    @cached_property
     def variables(self) -> frozenset[str]:
         """Names in a MATLAB file; empty for another ending.
 
@@ -69,14 +79,8 @@ class Source:
 
     @cached_property
     def first_lines(self) -> tuple[str, str]:
-        """The first two lines of a table in UTF-8; empty for anything else.
-
-        Raises
-        ------
-        RecordingFormatError
-            It is named as a table, but no text.
-        """
-        if self.ending not in TEXT or not encoding_of(self.start).startswith("utf-8"):
+        """The first two lines of a table in UTF-8; empty for anything else."""
+        if self.ending not in TEXT or not self.is_text or not encoding_of(self.start).startswith("utf-8"):
             return "", ""
         text = self.start[:8192].decode("utf-8", errors="replace").lstrip("\ufeff")
         first, _, rest = text.partition("\n")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from app.errors import InvalidInput, RecordingFormatError
 from app.readers import formats
 from app.readers.contract import TEXT, Reader, Source
+from app.readers.foreign import what_it_is
 from app.sentences import say
 
 if TYPE_CHECKING:
@@ -97,7 +98,15 @@ def guess(path: Path, name: str = "") -> str:
 
 
 def recognised(source: Source) -> str:
-    """Return the format of a file; see `guess`."""
+    """Return the format of a file; see `guess`.
+
+    Raises
+    ------
+    RecordingFormatError
+        It is known to be no recording, or nothing fits.
+    """
+    if (foreign := what_it_is(source.start, source.ending)) is not None:
+        raise RecordingFormatError(foreign)
     for reader in sorted(readers().values(), key=lambda one: (one.is_last, one.name)):
         if reader.recognises(source):
             return reader.name

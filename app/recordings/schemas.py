@@ -181,6 +181,8 @@ class PreviewIn(Schema):
     """The first 256 KiB, or the whole file."""
     pipeline: Literal["arm", "gait", "orientation"] | None = None
     """What it is for, where a person said so."""
+    rate_hz: float | None = Field(default=None, gt=0)
+    """Samples a second, where a person said it: a counter is then a clock, and how far a sensor turns tells units."""
 
 
 class TablePreview(Spoken):
@@ -229,8 +231,8 @@ class UploadIn(Schema):
     """One of `GET /api/uploads/formats`; None: found from its name and beginning."""
     file_name: str = Field(default="", max_length=200)
     """What the file is called: says its format, and the side of a foot, where the file does not."""
-    pipeline: UploadedKind = "arm"
-    """What the file holds, where its format leaves that open."""
+    pipeline: UploadedKind | None = None
+    """What the file holds, where its format leaves that open; None: what its sensors are worn for."""
     with_legs: Flag = False
     """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""
     csv: CsvMapping | None = None

@@ -27,8 +27,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "one": "{count} damaged packet was rejected.",
         "other": "{count} damaged packets were rejected.",
     },
-    "upload.implausible": "The readings cannot be right. {findings} Correct the declaration and upload the"
-    " file again, or declare `accept_implausible` to analyse it as it is.",
+    "upload.implausible": "The readings cannot be right. {findings} {remedy}",
+    "upload.correct_or_accept": "Correct the declaration and upload the file again, or declare"
+    " `accept_implausible` to analyse it as it is.",
+    "process.correct_or_force": "Say where it was recorded (--hemisphere) or declare the file rightly (--mapping, in"
+    ' which "sign": -1 turns all axes of a signal), or use --force to estimate it as it is.',
     "progress.reading_file": "Reading the file",
     "progress.storing": "Storing the recording",
     "progress.checking": "Checking units and axes",

@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options.words import Email, Guess, Mapping, Password, RecordingFormat, Server
+from app.commands.options.words import (
+    Email,
+    Guess,
+    Mapping,
+    Password,
+    RecordingFormat,
+    Server,
+    known_hemisphere,
+)
 
 Pipeline = Annotated[
     str,
@@ -37,7 +45,10 @@ def upload(
     ] = None,
     hemisphere: Annotated[
         str,
-        typer.Option(help="north, south or unknown: where it was recorded; empty: where the service is."),
+        typer.Option(
+            help="north, south or unknown: where it was recorded; empty: where the service is.",
+            callback=known_hemisphere,
+        ),
     ] = "",
     server: Server = "http://127.0.0.1:8000",
     email: Email = "",

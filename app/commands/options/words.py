@@ -85,9 +85,28 @@ Guess = Annotated[
     ),
 ]
 
+
+def known_hemisphere(value: str) -> str:
+    """Refuse a word that is no hemisphere, before anything is read."""
+    if value not in ("", "north", "south", "unknown"):
+        raise typer.BadParameter("it is north, south or unknown")
+    return value
+
+
+Hemisphere = Annotated[
+    str,
+    typer.Option(
+        help="north, south or unknown: where it was recorded; tells a reversed accelerometer. Default: as the service"
+        " has it from TELEMOTION_HEMISPHERE, else north.",
+        envvar="TELEMOTION_HEMISPHERE",
+        callback=known_hemisphere,
+    ),
+]
+
 __all__ = [
     "Email",
     "Guess",
+    "Hemisphere",
     "Mapping",
     "OutFolder",
     "Password",
@@ -97,4 +116,5 @@ __all__ = [
     "RecordingFile",
     "RecordingFormat",
     "Server",
+    "known_hemisphere",
 ]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, cast
 
 import numpy as np
 import typer
@@ -12,11 +12,12 @@ from app.commands.processing.walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.kinds.walk.shoe_arrays import as_stored as shoes_as_stored
 from app.network.declaration import WALKING
+from app.readers.judged import cut, judged
 from app.sentences import say
 from estimators import orientation as orientations
 from estimators import pipelines, signals
 from estimators.body import BodyDimensions, body_from_stature
-from estimators.calibration import Hemisphere, check_recording, in_words
+from estimators.calibration import Hemisphere
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
@@ -33,7 +34,7 @@ class Asked:
     pose_s: tuple[float, float] | None
     parameters: dict[str, Any]
     force: bool
-    hemisphere: str
+    hemisphere: Hemisphere
 
 
 def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
@@ -96,31 +97,18 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
     _say(frames, used, out)
 
 
-def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: str) -> None:
-    """Refuse readings whose unit, axes or sign cannot be right; tell of the rest."""
-    if hemisphere not in get_args(Hemisphere):
-        raise InvalidInput(f"no hemisphere {hemisphere!r}; it is {', '.join(get_args(Hemisphere))}")
+def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: Hemisphere) -> None:
+    """Refuse readings whose unit, axes or sign cannot be right, as an upload does; tell of the rest."""
     worn: dict[str, SensorSignals] = {
         name: measured.sensors[name] for name in setup.placements if name in measured.sensors
     }
     if not worn:
         return
     chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
-    # As of an upload: what is not there is flagged where it is missing, and a pause is no fault of the readings.
-    findings = [
-        found
-        for found in check_recording(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
-        if found.code != "no_data"
-    ]
-    refused = [finding for finding in findings if finding.severity == "refuse"]
-    if refused and not force:
-        raise InvalidInput(
-            f"the readings cannot be right. {in_words(refused)} Say where it was recorded (--hemisphere) or declare the"
-            ' file rightly (--mapping, in which "sign": -1 turns all axes of a signal), or use --force to estimate it'
-            " as it is."
-        )
-    if findings:
-        typer.echo(f"warning: {in_words(findings)}", err=True)
+    for note in judged(
+        cut(chunk), tuple(worn), hemisphere, is_accepted=force, remedy=say("process.correct_or_force")
+    ):
+        typer.echo(f"warning: {note}", err=True)
 
 
 def _say(frames: Frames, setup: SessionSetup, out: Path) -> None:

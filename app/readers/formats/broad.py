@@ -1,7 +1,7 @@
 """Trials of the BROAD benchmark (`.mat` or `.hdf5`): one sensor and optical truth, for single-sensor work."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,11 +10,17 @@ from app.readers.contract import Reader, Source
 from app.readers.mat import load_mat
 from app.readers.units import check_accelerometer, check_gyroscope, check_magnetometer
 from app.readers.unpacked import check_hdf5
-from app.sentences import say
+from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
+
+if TYPE_CHECKING:
+    import h5py
 
 _NAMES = ["imu_gyr", "imu_acc", "imu_mag", "opt_quat", "movement", "sampling_rate"]
 _HDF5 = b"\x89HDF"
+_OF_APDM = frozenset(
+    {"Sensors", "MonitorLabelList", "CaseIdList", "FileFormatVersion", "File_Format_Version"}
+)
 
 
 def read_broad(path: Path) -> Recording:
@@ -78,8 +84,8 @@ def _hdf5(path: Path) -> dict[str, Any]:
         import h5py
 
         with h5py.File(path, "r") as file:
-            if _NAMES[0] not in file and "Sensors" in file:
-                raise RecordingFormatError(say("file.hdf5_of_sensors"))
+            if _NAMES[0] not in file:
+                raise RecordingFormatError(_other(file))
             check_hdf5(file, _NAMES)
             content = {name: file[name][()] for name in _NAMES if name in file}
             for name in _NAMES:
@@ -88,6 +94,13 @@ def _hdf5(path: Path) -> dict[str, Any]:
     except (OSError, RuntimeError, KeyError) as error:
         raise RecordingFormatError(say("file.hdf5_unreadable")) from error
     return content
+
+
+def _other(file: "h5py.File") -> Sentence:
+    """Return what an HDF5 is that is no trial of this set, and what to export instead."""
+    if _OF_APDM & {*file, *file.attrs}:
+        return say("file.hdf5_of_sensors")
+    return say("file.hdf5_unknown", names=[str(name)[:60] for name in list(file)[:6]])
 
 
 class BroadReader(Reader):

@@ -2,11 +2,21 @@
 
 from typing import TYPE_CHECKING
 
+from app.errors import RecordingFormatError
 from app.readers.contract import TEXT, Reader, Source
 from app.readers.tables.guess import SINGLE
+from app.readers.tables.head import head_of, is_number
 
 if TYPE_CHECKING:
     from estimators.recording import Recording
+
+
+def _has_numbers(start: bytes) -> bool:
+    try:
+        head = head_of(start)
+    except RecordingFormatError:
+        return False
+    return len(head.columns) > 1 and any(is_number(field) for row in head.rows[:1] for field in row if field)
 
 
 class CsvReader(Reader):
@@ -20,8 +30,8 @@ class CsvReader(Reader):
     is_last = True
 
     def recognises(self, source: Source) -> bool:
-        """By its ending: what no other format claims may be a table."""
-        return source.ending in TEXT
+        """By its ending, or by rows of numbers: what no other format claims may be a table."""
+        return source.ending in TEXT or (source.is_text and _has_numbers(source.start))
 
     def read(self, source: Source) -> "Recording":
         """Read it by its mapping."""

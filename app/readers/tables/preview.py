@@ -52,26 +52,26 @@ def preview_text(
         It is no text, or no table can be made of it.
     """
     stem = PurePath(name).stem
+    reader = reader_of(text_format(name, start))
     head = head_of(start)
-    reader = reader_of(text_format(stem, start))
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
     found = guess_of_head(head, stem, pipeline, rate_hz)
     return Preview(reader.name, found.pipeline, head, found if reader.needs_mapping else None)
 
 
-def text_format(stem: str, start: bytes) -> str:
+def text_format(name: str, start: bytes) -> str:
     """Return the format that a text file seems to have.
 
     Parameters
     ----------
-    stem : str
-        Its name without the ending.
+    name : str
+        With its ending.
     start : bytes
     """
-    source = Source(Path(f"{stem}.csv"))
-    # A cached property may be given: the file itself is not here.
-    vars(source)["start"] = start
+    source = Source(Path(name))
+    # Cached properties may be given: the file itself is not here.
+    vars(source).update(start=start, variables=frozenset())
     return recognised(source)
 
 

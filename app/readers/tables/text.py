@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from app.errors import RecordingFormatError
+from app.readers.foreign import what_it_is
 from app.sentences import say
 
 HEAD_BYTES: Final = 256 * 1024
@@ -58,7 +59,7 @@ def encoding_of(start: bytes) -> str:
     if max(even, odd) > least and min(even, odd) == 0:
         return "utf-16-le" if odd else "utf-16-be"
     if len(start.translate(None, _CONTROLS)) < len(start):
-        raise RecordingFormatError(say("table.not_text"))
+        raise RecordingFormatError(what_it_is(start) or say("table.not_text"))
     decoder = codecs.getincrementaldecoder("utf-8")()
     try:
         # The last character may be cut.

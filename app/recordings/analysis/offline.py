@@ -16,6 +16,7 @@ from app.errors import InvalidInput, NotFound
 from app.network.alignment import align_chunks
 from app.network.packet import Packet
 from app.network.raw_packet import RawPacket
+from app.readers.judged import PIECE_TICKS
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
@@ -36,7 +37,6 @@ from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
 
-PIECE_TICKS: Final = 1000
 _POSE_SEARCH_S: Final = 120.0
 
 
@@ -252,26 +252,6 @@ def beginning(pieces: Iterable[ImuChunk], tick_count: int) -> ImuChunk:
     return ImuChunk.join(taken).ticks(0, tick_count)
 
 
-def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iterator[ImuChunk]:
-    """Yield the session in chunks of about a length, one at a time.
-
-    Parameters
-    ----------
-    context : JobContext
-    setup : SessionSetup
-        Names the sensors wanted.
-    length_s : float
-    """
-    pieces: list[ImuChunk] = []
-    for piece in StoredSession(context, setup):
-        pieces.append(piece)
-        if sum(one.tick_count for one in pieces) * piece.time_step_s >= length_s:
-            yield ImuChunk.join(pieces)
-            pieces = []
-    if pieces:
-        yield ImuChunk.join(pieces)
-
-
 __all__ = [
     "Analysis",
     "StoredSession",
@@ -282,5 +262,4 @@ __all__ = [
     "estimated",
     "posed",
     "smoothed",
-    "stretches",
 ]

@@ -18,9 +18,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " hochgeladen wurde.",
     "upload.gone": "Die hochgeladene Datei gibt es nicht mehr; laden Sie sie noch einmal hoch.",
     "upload.header_too_long": "Ein Kopf eines Teils ist zu lang.",
-    "upload.implausible": "Die Messwerte können nicht stimmen. {findings} Berichtigen Sie die Angaben, und laden"
-    " Sie die Datei noch einmal hoch, oder geben Sie `accept_implausible` an, um sie auszuwerten, wie sie"
-    " ist.",
+    "upload.implausible": "Die Messwerte können nicht stimmen. {findings} {remedy}",
+    "upload.correct_or_accept": "Berichtigen Sie die Angaben, und laden Sie die Datei noch einmal hoch, oder geben Sie"
+    " `accept_implausible` an, um sie auszuwerten, wie sie ist.",
+    "process.correct_or_force": "Sagen Sie, wo aufgenommen wurde (--hemisphere), oder geben Sie die Datei richtig an"
+    ' (--mapping, darin dreht "sign": -1 alle Achsen eines Signals), oder werten Sie sie mit --force aus, wie sie ist.',
     "upload.malformed": "Der Inhalt ist kein wohlgeformtes multipart/form-data.",
     "upload.multipart": "Senden Sie multipart/form-data mit den Teilen `declaration` und `file`.",
     "upload.no_file": "Der Teil `file` fehlt.",

@@ -84,7 +84,9 @@ def test_wrong_units_and_axes_are_refused_in_words(files, tmp_path, words, told)
 
 def test_an_unknown_hemisphere_is_refused(files, tmp_path):
     refused = run(files, tmp_path / "out", mapping("rad/s"), "--hemisphere", "east")
-    assert isinstance(refused.exception, InvalidInput)
+    assert refused.exit_code == 2
+    assert "north, south or unknown" in refused.output
+    assert not (tmp_path / "out").exists()
 
 
 def test_force_reaches_what_the_reader_refuses(files, tmp_path):

@@ -415,7 +415,7 @@ def refused_tables() -> dict[str, Refused]:
             text([",".join(["time", *NINE[:6]])], rows_of(GYROSCOPE, FORCE / G * 4096)).encode(),
             "guess.no_unit",
         ),
-        "a picture": (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(range(256)) * 40, "table.not_text"),
+        "a picture": (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(range(256)) * 40, "file.foreign"),
         "a spreadsheet's own format": (
             b"PK\x03\x04\x14\x00\x06\x00\x08\x00" + bytes(range(256)) * 40,
             "table.not_text",

@@ -4960,6 +4960,8 @@ export interface components {
             file_name: string;
             /** Pipeline */
             pipeline?: ("arm" | "gait" | "orientation") | null;
+            /** Rate Hz */
+            rate_hz?: number | null;
         };
         /**
          * Progress
@@ -6374,10 +6376,9 @@ export interface components {
             patient_id: string;
             /**
              * Pipeline
-             * @default arm
-             * @enum {string}
+             * @default null
              */
-            pipeline?: "arm" | "orientation" | "gait" | "balance";
+            pipeline?: ("arm" | "orientation" | "gait" | "balance") | null;
             /**
              * Prescription Id
              * @default null
