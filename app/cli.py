@@ -25,7 +25,7 @@ from app.commands.options.words import (
     Port,
     Pose,
     Rate,
-    RecordingFile,
+    RecordingFiles,
     RecordingFormat,
 )
 
@@ -146,7 +146,7 @@ def create_clinic(
 
 @cli.command()
 def process(
-    recording: RecordingFile,
+    recording: RecordingFiles,
     out: OutFolder,
     pipeline: Annotated[
         str,
@@ -174,21 +174,23 @@ def process(
     Example: telemotion process walk.mat --pipeline orientation --orientation vqf --out results
     """
     from app.commands import process as command
+    from app.commands.options.several import as_one
 
-    command.process(
-        recording,
-        out,
-        pipeline,
-        orientation,
-        format,
-        mapping,
-        rate,
-        pose,
-        parameters,
-        force,
-        hemisphere or "north",
-        guess,
-    )
+    with as_one(recording) as one:
+        command.process(
+            one,
+            out,
+            pipeline,
+            orientation,
+            format,
+            mapping,
+            rate,
+            pose,
+            parameters,
+            force,
+            hemisphere or "north",
+            guess,
+        )
 
 
 @cli.command()

@@ -84,6 +84,8 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
 
     format = readers.guess(table)
     reader = readers.reader_of(format)
+    if format == "zipped":
+        return readers.preview_zip(table, cast("PipelineName | None", pipeline or None), rate_hz)
     if not reader.needs_mapping and not readers.TEXT & reader.endings:
         # What says by itself what it is needs no guess.
         return Preview(format, cast("PipelineName", reader.pipeline or pipeline))

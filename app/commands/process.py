@@ -76,7 +76,7 @@ def process(
         columns = guessed_mapping(found, out / "mapping.json")
         format, pipeline = found.format, pipeline or found.pipeline
     elif format == "auto":
-        format = "csv" if columns is not None else readers.guess(recording)
+        format = readers.format_of(recording, columns)
     with readers.accepting(force) as doubts:
         measured = readers.read(recording, format, columns)
     for doubt in doubts:

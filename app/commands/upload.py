@@ -116,7 +116,7 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
         found = previewed(recording, pipeline, wanted.rate_hz)
         columns, format, pipeline = guessed_mapping(found, None), found.format, pipeline or found.pipeline
     elif format == "auto":
-        format = "csv" if columns is not None else readers.guess(recording)
+        format = readers.format_of(recording, columns)
     if columns is not None and not pipeline:
         pipeline = readers.pipeline_for([signal.placement or "" for signal in columns.signals])
     if format == "csv" and columns is None:

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from app.readers.markers.c3d import C3dPoints, read_c3d
     from app.readers.markers.tracks import METRES, MarkerTracks, read_markers
     from app.readers.packets import RecordingPackets, as_feet, packets_of, stamped
-    from app.readers.registry import guess, read, reader_of, readers
+    from app.readers.registry import format_of, guess, read, reader_of, readers
     from app.readers.tables.guess import SINGLE, Guess, PipelineName, pipeline_for
-    from app.readers.tables.preview import Preview, preview_text
+    from app.readers.tables.preview import Preview, preview_text, preview_zip
     from app.readers.tables.text import HEAD_BYTES, start_of
     from app.readers.units import accepting
 
@@ -29,9 +29,9 @@ _NAMES: Final = {
     "markers.c3d": ("C3dPoints", "read_c3d"),
     "markers.tracks": ("METRES", "MarkerTracks", "read_markers"),
     "packets": ("RecordingPackets", "as_feet", "packets_of", "stamped"),
-    "registry": ("guess", "read", "reader_of", "readers"),
+    "registry": ("format_of", "guess", "read", "reader_of", "readers"),
     "tables.guess": ("SINGLE", "Guess", "PipelineName", "pipeline_for"),
-    "tables.preview": ("Preview", "preview_text"),
+    "tables.preview": ("Preview", "preview_text", "preview_zip"),
     "tables.text": ("HEAD_BYTES", "start_of"),
     "units": ("accepting",),
 }
@@ -62,10 +62,12 @@ __all__ = [
     "Source",
     "accepting",
     "as_feet",
+    "format_of",
     "guess",
     "packets_of",
     "pipeline_for",
     "preview_text",
+    "preview_zip",
     "read",
     "read_c3d",
     "read_markers",

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 from app.errors import InvalidInput, RecordingFormatError
 from app.readers import formats
-from app.readers.contract import TEXT, Reader, Source
+from app.readers.contract import Reader, Source
 from app.readers.foreign import what_it_is
+from app.readers.members import ZIP_MARK
+from app.readers.tables.text import start_of
 from app.sentences import say
 
 if TYPE_CHECKING:
@@ -68,9 +70,7 @@ def read(path: Path, format: str = "auto", csv: "CsvMapping | None" = None, name
         The format is unknown, or a table comes without its mapping.
     """
     if format == "auto":
-        format = guess(path)
-        if csv is not None and path.suffix.lower() in TEXT:
-            format = "csv"
+        format = format_of(path, csv)
     reader = reader_of(format)
     if reader.needs_mapping and csv is None:
         raise InvalidInput(say("file.csv_needs_mapping"), field="csv")
@@ -78,6 +78,18 @@ def read(path: Path, format: str = "auto", csv: "CsvMapping | None" = None, name
     from app.readers.slower import slower
 
     return slower(reader.read(Source(path, name, csv)))
+
+
+def format_of(path: Path, csv: "CsvMapping | None" = None) -> str:
+    """Return the format of a file; what a person says of the columns of a text makes it a table.
+
+    Raises
+    ------
+    RecordingFormatError
+        Nothing fits.
+    """
+    is_table = csv is not None and not start_of(path).startswith(ZIP_MARK)
+    return "csv" if is_table else guess(path)
 
 
 def guess(path: Path, name: str = "") -> str:
@@ -113,4 +125,4 @@ def recognised(source: Source) -> str:
     raise RecordingFormatError(say("file.format_not_recognised", formats=list(readers())))
 
 
-__all__ = ["guess", "read", "reader_of", "readers", "recognised"]
+__all__ = ["format_of", "guess", "read", "reader_of", "readers", "recognised"]

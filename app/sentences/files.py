@@ -6,6 +6,26 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "quantity.gyroscope": "gyroscope",
     "quantity.accelerometer": "accelerometer",
     "quantity.magnetometer": "magnetometer",
+    "zip.damaged": "The zip cannot be read: it is cut off, damaged or packed in an unusual way. Pack its tables anew.",
+    "zip.locked": "The zip has a password. Pack its tables without one.",
+    "zip.many": "The zip holds {count:number} files; at most {most:number} are read. Pack the tables of one recording"
+    " only.",
+    "zip.nested": "The zip holds another zip or folders in folders. Pack the tables of one recording only, in one"
+    " folder.",
+    "zip.no_table": "The zip holds no table with measurements of a sensor ({names:and}). Pack tables of one recording"
+    " as CSV; a recording in one file of another kind is chosen without the zip.",
+    "zip.no_gravity": "{names:and}: acceleration without gravity, and gravity in a table of its own. Record or export"
+    " the acceleration with gravity (in Sensor Logger: Total Acceleration).",
+    "zip.clocks_differ": "The tables {names:and} count their time in different units; export them alike.",
+    "zip.of_table": "{name}: {said}",
+    "zip.joined": "{names:and} are joined by their times: the same time is taken for the same moment.",
+    "zip.joined_from_start": "{names:and} each count from their own first row: they are taken to have begun at the"
+    " same moment. If they did not, angles between their sensors are wrong.",
+    "zip.joined_by_rows": "{names:and} have no time: their first rows are taken for the same moment.",
+    "zip.pauses": {
+        "one": "The recording was paused once; the pause is put back into its time.",
+        "other": "The recording was paused {count:number} times; the pauses are put back into its time.",
+    },
     "file.format_unknown": "There is no format {format}; choose {formats:or}.",
     "file.format_not_recognised": "The format of this file is not recognised; choose it: {formats:or}.",
     "file.csv_needs_mapping": "A CSV file needs a mapping: which column holds what, in which unit.",

@@ -11,6 +11,7 @@ from app.commands.options.words import (
     Guess,
     Mapping,
     Password,
+    RecordingFiles,
     RecordingFormat,
     Server,
     known_hemisphere,
@@ -23,7 +24,7 @@ Pipeline = Annotated[
 
 
 def upload(
-    recording: Annotated[Path, typer.Argument(help="The file to upload.", exists=True, dir_okay=False)],
+    recording: RecordingFiles,
     patient: Annotated[str, typer.Option(help="Patient identifier.")],
     format: RecordingFormat = "auto",
     mapping: Mapping = None,
@@ -56,6 +57,7 @@ def upload(
 ) -> None:
     """Upload a whole recording and wait until it is analysed; prints where to see it."""
     from app.commands import upload as command
+    from app.commands.options.several import as_one
 
     wanted = command.Wanted(
         patient,
@@ -69,17 +71,18 @@ def upload(
         recorded_at,
         hemisphere or None,
     )
-    command.upload(
-        recording,
-        wanted,
-        server,
-        email,
-        password,
-    )
+    with as_one(recording) as one:
+        command.upload(
+            one,
+            wanted,
+            server,
+            email,
+            password,
+        )
 
 
 def mapping(
-    table: Annotated[Path, typer.Argument(help="CSV or text file.", exists=True, dir_okay=False)],
+    table: RecordingFiles,
     out: Annotated[Path | None, typer.Option(help="JSON file to write; default: standard output.")] = None,
     pipeline: Pipeline = "",
     rate: Annotated[
@@ -91,8 +94,10 @@ def mapping(
     Example: telemotion mapping walk.csv --out mapping.json
     """
     from app.commands import mapping as command
+    from app.commands.options.several import as_one
 
-    command.mapping(table, out, pipeline, rate)
+    with as_one(table) as one:
+        command.mapping(one, out, pipeline, rate)
 
 
 __all__ = ["mapping", "upload"]

@@ -60,6 +60,14 @@ PasswordFile = Annotated[
 ]
 
 RecordingFile = Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)]
+RecordingFiles = Annotated[
+    list[Path],
+    typer.Argument(
+        help="A recording file; or several tables of one recording that share a clock.",
+        exists=True,
+        dir_okay=False,
+    ),
+]
 OutFolder = Annotated[Path, typer.Option(help="Folder for the results; made when absent.")]
 RecordingFormat = Annotated[
     str,
@@ -114,6 +122,7 @@ __all__ = [
     "Pose",
     "Rate",
     "RecordingFile",
+    "RecordingFiles",
     "RecordingFormat",
     "Server",
     "known_hemisphere",

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -31,19 +31,24 @@ from app.readers.units import (
 from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
 
+if TYPE_CHECKING:
+    from app.readers.tables.several import Tables
+
 _COUNTED_APART: Final = 20.0
 """In samples: counters farther apart than that in rows that stand together are not of one moment."""
 _PAUSE_S: Final = 5.0
 """Without any sample for longer than this a recording paused, and its headings begin anew."""
 
 
-def read_csv(path: Path, mapping: CsvMapping) -> Recording:
+def read_csv(path: Path, mapping: CsvMapping, tables: "Tables | None" = None) -> Recording:
     """Read a CSV file as declared.
 
     Parameters
     ----------
     path : Path
     mapping : CsvMapping
+    tables : Tables, optional
+        Several tables of one recording, of which the file is a zip.
 
     Raises
     ------
@@ -51,13 +56,18 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
         A column is missing or not numeric, a unit cannot be right, time does not advance, or it is too long.
     """
     by_placement = _check_mapping(mapping)
-    head = head_of_file(path, mapping.delimiter)
+    head = head_of_file(path, mapping.delimiter) if tables is None else tables.head
     clocks = {c for one in mapping.signals if (c := one.time_column or mapping.time_column) is not None}
     text = {column for signal in mapping.signals for column in signal.rows}
     if mapping.time_unit == CLOCK:
         text |= clocks
     wanted = [_source(name, head)[0] for signal in mapping.signals for name in signal.columns]
-    table, said_of_rows = read_table(path, list(dict.fromkeys([*wanted, *sorted(clocks | text)])), head, text)
+    wanted = list(dict.fromkeys([*wanted, *sorted(clocks | text)]))
+    table, said_of_rows = (
+        read_table(path, wanted, head, text)
+        if tables is None
+        else tables.read(wanted, text, mapping.time_unit, clocks)
+    )
     notes = list(said_of_rows)
     for clock in sorted(clocks) if mapping.time_unit == CLOCK else ():
         table[clock], said = seconds_of_clock(table[clock].tolist())
@@ -65,7 +75,7 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     for column in text - clocks if mapping.time_unit == CLOCK else text:
         table[column] = np.array([str(value or "").strip() for value in table[column]], dtype=object)
     recorded = _first_moment(mapping, table)
-    reader = _Sensors(mapping, table, head)
+    reader = _Sensors(mapping, table, head, is_one_table=tables is None)
     sensors = {placement: reader.sensor(placement, by_placement[placement]) for placement in by_placement}
     rate_hz = mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values())
     return Recording(
@@ -92,13 +102,17 @@ def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str
 class _Sensors:
     """The sensors of a table, each by the clocks of its signals."""
 
-    def __init__(self, mapping: CsvMapping, table: dict[str, Any], head: TableHead) -> None:
+    def __init__(
+        self, mapping: CsvMapping, table: dict[str, Any], head: TableHead, *, is_one_table: bool = True
+    ) -> None:
         self._mapping, self._table, self._head = mapping, table, head
         self._count = len(next(iter(table.values())))
         if self._count < 2:
             raise RecordingFormatError(say("file.too_few_rows"))
         self._streams: dict[Hashable, Stream] = {}
         self._bases: dict[str, Stream] = {}
+        # Rows of several tables that have the same place are not of one moment.
+        self._has_places = is_one_table
         self.notes = _of_nobody(mapping, table)
 
     def sensor(self, placement: str, quantities: dict[str, CsvColumn]) -> SensorSignals:
@@ -160,7 +174,8 @@ class _Sensors:
         RecordingFormatError
             Two of them were never on at once: their clocks have nothing in common.
         """
-        if self._mapping.time_unit == COUNT and (moved := begun(self._bases, _COUNTED_APART * step_s)):
+        is_counted = self._mapping.time_unit == COUNT and self._has_places
+        if is_counted and (moved := begun(self._bases, _COUNTED_APART * step_s)):
             self.notes.append(say("table.counters_apart", where=list(moved)))
             sensors = {
                 name: replace(one, time_s=one.time_s + moved.get(name, 0.0)) for name, one in sensors.items()

@@ -2,12 +2,17 @@
 
 from dataclasses import dataclass
 from pathlib import Path, PurePath
-from typing import cast
+from tempfile import TemporaryDirectory
+from typing import Final, cast
 
 from app.readers.contract import Source
 from app.readers.registry import reader_of, recognised
 from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
 from app.readers.tables.head import TableHead, head_of
+from app.readers.tables.text import HEAD_BYTES
+
+ZIPPED: Final = "zipped"
+"""The format of a zip of tables."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +58,32 @@ def preview_text(
     """
     stem = PurePath(name).stem
     reader = reader_of(text_format(name, start))
+    if reader.name == ZIPPED:
+        return _preview_of_zip(name, start, pipeline, rate_hz)
     head = head_of(start)
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
     found = guess_of_head(head, stem, pipeline, rate_hz)
     return Preview(reader.name, found.pipeline, head, found if reader.needs_mapping else None)
+
+
+def preview_zip(path: Path, pipeline: PipelineName | None = None, rate_hz: float | None = None) -> Preview:
+    """Say how several tables of one recording in a zip are to be read; see `preview_text`."""
+    from app.readers.tables.several import Tables
+
+    tables = Tables(path)
+    found = tables.guess(path.stem, pipeline, rate_hz)
+    return Preview(ZIPPED, found.pipeline, tables.head, found)
+
+
+def _preview_of_zip(name: str, start: bytes, pipeline: PipelineName | None, rate_hz: float | None) -> Preview:
+    """Say it of a zip that came as a whole; of a larger one the list of its files is still to come."""
+    if len(start) >= HEAD_BYTES:
+        return Preview(ZIPPED, pipeline or "orientation")
+    with TemporaryDirectory(prefix="telemotion-") as folder:
+        path = Path(folder) / "recording.zip"
+        path.write_bytes(start)
+        return preview_zip(path, pipeline, rate_hz)
 
 
 def text_format(name: str, start: bytes) -> str:
@@ -75,4 +101,4 @@ def text_format(name: str, start: bytes) -> str:
     return recognised(source)
 
 
-__all__ = ["Preview", "pipeline_for", "preview_text", "text_format"]
+__all__ = ["Preview", "pipeline_for", "preview_text", "preview_zip", "text_format"]

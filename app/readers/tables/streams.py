@@ -20,6 +20,8 @@ from estimators.recording import Float
 
 _LONGEST_BRIDGE: Final = 2.5
 """In usual intervals of what is joined: farther apart are two samples with nothing between them."""
+_ROUNDED: Final = 1e-3
+"""Of that: so near to a sample is a time that is its own."""
 _MOST_APART: Final = 0.5
 """Of a sensor's rows: where fewer hold both of two quantities, each has rows of its own."""
 
@@ -156,7 +158,10 @@ def joined(time_s: Float, values: Float, at_s: Float) -> Float:
     after = np.clip(np.searchsorted(time_s, at_s), 1, time_s.size - 1)
     longest = _LONGEST_BRIDGE * usual_interval(time_s)
     outside = (at_s < time_s[0] - 0.5 * longest) | (at_s > time_s[-1] + 0.5 * longest)
-    found[outside | (time_s[after] - time_s[after - 1] > longest)] = np.nan
+    # A sample beside a hole is there, also where its time was rounded into it.
+    nearest_s = np.minimum(np.abs(time_s[after] - at_s), np.abs(at_s - time_s[after - 1]))
+    is_hole = (time_s[after] - time_s[after - 1] > longest) & (nearest_s > _ROUNDED * longest)
+    found[outside | is_hole] = np.nan
     return found
 
 

@@ -58,6 +58,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "estimator_title.telemotion_smoother": "Telemotion, nachträglich",
     "estimator_text.telemotion_smoother": "Betrachtet die ganze Sitzung vorwärts und rückwärts, sobald sie"
     " aufgezeichnet ist; am genauesten.",
+    "format_title.zipped": "Mehrere Tabellen einer Aufzeichnung (zip)",
+    "format_text.zipped": "Tabellen eines Telefons, oder eine für jeden Sensor, mit gemeinsamer Uhr",
     "format_title.apdm": "APDM-Sensoren (CSV)",
     "format_text.apdm": "Sensoren, nach ihrem Trageort benannt, wie das Programm von APDM sie schreibt",
     "format_title.broad": "BROAD-Versuch (.mat, .hdf5)",

@@ -3,6 +3,28 @@
 from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
+    "zip.damaged": "Das zip ist nicht lesbar: abgeschnitten, beschädigt oder ungewöhnlich gepackt. Packen Sie seine"
+    " Tabellen neu.",
+    "zip.locked": "Das zip hat ein Passwort. Packen Sie seine Tabellen ohne eines.",
+    "zip.many": "Das zip enthält {count:number} Dateien; höchstens {most:number} werden gelesen. Packen Sie nur die"
+    " Tabellen einer Aufzeichnung.",
+    "zip.nested": "Das zip enthält ein weiteres zip oder Ordner in Ordnern. Packen Sie nur die Tabellen einer"
+    " Aufzeichnung, in einen Ordner.",
+    "zip.no_table": "Das zip enthält keine Tabelle mit Messwerten eines Sensors ({names:and}). Packen Sie Tabellen"
+    " einer Aufzeichnung als CSV; eine Aufzeichnung in einer Datei anderer Art wird ohne das zip gewählt.",
+    "zip.no_gravity": "{names:and}: Beschleunigung ohne Schwerkraft, und die Schwerkraft in einer eigenen Tabelle."
+    " Zeichnen oder exportieren Sie die Beschleunigung mit Schwerkraft (in Sensor Logger: Total Acceleration).",
+    "zip.clocks_differ": "Die Tabellen {names:and} zählen ihre Zeit in verschiedenen Einheiten; exportieren Sie sie"
+    " gleich.",
+    "zip.of_table": "{name}: {said}",
+    "zip.joined": "{names:and} sind nach ihren Zeiten verbunden: Gleiche Zeit gilt als derselbe Augenblick.",
+    "zip.joined_from_start": "{names:and} zählen jeweils ab ihrer ersten Zeile: Sie gelten als gleichzeitig begonnen."
+    " Wenn das nicht stimmt, sind Winkel zwischen ihren Sensoren falsch.",
+    "zip.joined_by_rows": "{names:and} haben keine Zeit: Ihre ersten Zeilen gelten als derselbe Augenblick.",
+    "zip.pauses": {
+        "one": "Die Aufzeichnung war einmal unterbrochen; die Pause steht wieder in ihrer Zeit.",
+        "other": "Die Aufzeichnung war {count:number}-mal unterbrochen; die Pausen stehen wieder in ihrer Zeit.",
+    },
     "file.foreign": "{kind:foreign}",
     "foreign.workbook": "Das ist eine Arbeitsmappe eines Tabellenprogramms (Excel). Speichern Sie das Blatt mit den"
     " Messwerten als CSV, und wählen Sie diese Datei.",

@@ -2,9 +2,11 @@
 
 from base64 import b64encode
 from dataclasses import dataclass, field, replace
+from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
@@ -99,7 +101,22 @@ FEW = (
     "rows of three kinds",
     "samples in bursts",
 )
+
+
+def phone() -> bytes:
+    """A table a quantity, as an app for phones packs them."""
+    packed = BytesIO()
+    with ZipFile(packed, "w", ZIP_DEFLATED) as archive:
+        for name, values, late_s in (("Accelerometer", FELT, 0.0), ("Gyroscope", TURNED, 0.004)):
+            head = "time," + ",".join(f"{name} {axis}" for axis in "xyz")
+            archive.writestr(
+                f"{name}.csv", text([head], rows_of(values[:1200], time_s=LONG_S[:1200] + late_s))
+            )
+    return packed.getvalue()
+
+
 ACCEPTED = {
+    "a zip of a phone": Case(phone(), "walk.zip"),
     **{
         name: Case(odd.content, odd.name)
         for name, odd in (odd_tables() | field_tables()).items()
@@ -122,6 +139,7 @@ REFUSED_FOR = {
     "a counter": "guess.counter_needs_rate",
     "counts of a converter": "guess.no_unit",
     "a workbook": "file.foreign",
+    "a zip that was cut": "zip.damaged",
     "a workbook that is called a table": "file.foreign",
     "a PDF": "file.foreign",
     "nothing": "table.empty",
@@ -142,6 +160,7 @@ CASES = {
     "a counter": Case(COUNTED.encode()),
     "counts of a converter": Case(table(GYROSCOPE, 20_000.0 * FORCE, head=SIX)),
     "a workbook": Case(WORKBOOK, "walk.xlsx"),
+    "a zip that was cut": Case(phone()[:9000], "walk.zip"),
     "a workbook that is called a table": Case(WORKBOOK),
     "a PDF": Case(b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n" + bytes(range(256)) * 9, "report.pdf"),
     "nothing": Case(b""),
@@ -276,3 +295,12 @@ def test_an_upload_that_names_no_kind_is_what_its_sensors_are_worn_for(doors: An
     unsaid = doors.upload(case, path, declaration.model_copy(update={"pipeline": None}), notes)
     assert unsaid == doors.process(case, path)
     assert unsaid.pipeline == "gait"
+
+
+def test_a_zip_needs_no_mapping(doors: Any, tmp_path: Path) -> None:
+    case = CASES["a zip of a phone"]
+    path = tmp_path / case.name
+    path.write_bytes(case.content)
+    declaration, _ = doors.page(case)
+    unsaid = declaration.model_copy(update={"csv": None, "pipeline": None, "format": None})
+    assert doors.upload(case, path, unsaid, []) == doors.process(case, path)
