@@ -26,11 +26,13 @@ TO_SI: Final[dict[str, float]] = {
     "uT": 1e-6,
     "G": 1e-4,
     "mG": 1e-7,
+    # Multiples of the field where it was calibrated: heading needs its direction and constancy, not its size.
+    "local": 45e-6,
 }
 UNITS: Final[dict[str, tuple[str, ...]]] = {
     "gyroscope": ("rad/s", "deg/s", "mdps"),
     "accelerometer": ("m/s^2", "g", "mg"),
-    "magnetometer": ("T", "mT", "uT", "G", "mG"),
+    "magnetometer": ("T", "mT", "uT", "G", "mG", "local"),
 }
 
 GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)

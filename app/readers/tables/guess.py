@@ -153,6 +153,9 @@ def _with_unit(
             at_s, values = _in_time(mine, one, time)
             forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
             unit = gyroscope_unit(values, forces, usual_interval(at_s) if at_s.size > 1 else None)
+    if unit == "local":
+        notes.append(say("guess.field_relative", columns=list(one.columns)))
+        return replace(one, unit=unit)
     if unit:
         notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
         return replace(one, unit=unit)

@@ -8,7 +8,8 @@ from app.readers.sensor_names import PATTERN
 from app.schemas import Schema
 from estimators.conventions import Placement
 
-Unit = Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG"]
+Unit = Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG", "local"]
+"""`local`: multiples of the field where the magnetometer was calibrated, as makers write it."""
 
 
 class _Column(Schema):

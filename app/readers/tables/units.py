@@ -18,6 +18,8 @@ _GRAVITY: Final = (0.5 * GRAVITY_MPS2, 2.5 * GRAVITY_MPS2)
 """Median size of specific force; of running feet twice gravity."""
 _ABOUT_GRAVITY: Final = (0.8 * GRAVITY_MPS2, 1.3 * GRAVITY_MPS2)
 _FIELD_T: Final = (10e-6, 150e-6)
+_ABOUT_LOCAL_T: Final = (0.75 * 45e-6, 1.35 * 45e-6)
+"""A field of about one of its unit: in gauss it would be twice the earth's."""
 _FASTEST_RADPS: Final = 35.0
 """2000 degrees a second: turns beyond it are written in degrees."""
 _RESTING_RADPS: Final = 0.06
@@ -145,6 +147,8 @@ def accelerometer_unit(values: Float) -> str:
 
 def magnetometer_unit(values: Float) -> str:
     """Return the unit in which the field is the earth's; empty when there is none."""
+    if _fitting(values, _ABOUT_LOCAL_T, ("local",)):
+        return "local"
     return _fitting(values, _FIELD_T, ("uT", "G", "mG", "T", "mT"))
 
 

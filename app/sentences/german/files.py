@@ -228,6 +228,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " messen; exportieren Sie auch Drehrate und Beschleunigung.",
     "guess.unit_assumed": "Die Spalten {columns:and} nennen keine Einheit, und auch ihre Zahlen verraten keine;"
     " angenommen wird {unit}.",
+    "guess.field_relative": "Die Spalten {columns:and} nennen keine Einheit und sind etwa von der Größe eins: Sie"
+    " gelten als Vielfache des Feldes, in dem das Magnetometer kalibriert wurde, etwa 45 µT.",
     "guess.unit_from_numbers": "Die Spalten {columns:and} nennen keine Einheit; ihren Zahlen nach ist es {unit}.",
 }
 

@@ -151,6 +151,13 @@ def _names() -> dict[str, Odd]:
                 rows_of(FORCE, GYROSCOPE, FIELD_UT),
             ).encode()
         ),
+        "a field in units of its own": Odd(
+            text(
+                [",".join(["time", *NINE[:6], *axes("Mag_{}_CAL (local_flux)")])],
+                rows_of(GYROSCOPE, FORCE, FIELD_UT / 45.0),
+            ).encode(),
+            notes=frozenset({"guess.field_relative"}),
+        ),
         "z, y and x": six(
             axes("rot_rate_{}", "zyx"), axes("acc_{}", "zyx"), GYROSCOPE[:, backwards], FORCE[:, backwards]
         ),

@@ -417,8 +417,8 @@ def refused_tables() -> dict[str, Refused]:
         ),
         "a picture": (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(range(256)) * 40, "file.foreign"),
         "a spreadsheet's own format": (
-            b"PK\x03\x04\x14\x00\x06\x00\x08\x00" + bytes(range(256)) * 40,
-            "table.not_text",
+            b"PK\x03\x04\x14\x00\x06\x00\x08\x00" + bytes(range(256)) * 40 + b"xl/worksheets/sheet1.xml",
+            "file.foreign",
         ),
         "nothing": (b"", "table.empty"),
         "blanks": (b" \n" * 100, "table.empty"),

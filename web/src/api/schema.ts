@@ -3018,7 +3018,7 @@ export interface components {
              * Unit
              * @enum {string}
              */
-            unit: "rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG";
+            unit: "rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG" | "local";
         };
         /**
          * CsvMapping
@@ -3721,7 +3721,7 @@ export interface components {
             /** Time Column */
             time_column?: string | null;
             /** Unit */
-            unit: ("rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG") | null;
+            unit: ("rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG" | "local") | null;
         };
         /**
          * GuessedMapping

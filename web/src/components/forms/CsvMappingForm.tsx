@@ -9,9 +9,9 @@ import { AxisColumn } from './AxisColumn';
 const UNITS: Record<Quantity, Unit[]> = {
   gyroscope: ['rad/s', 'deg/s', 'mdps'],
   accelerometer: ['m/s^2', 'g', 'mg'],
-  magnetometer: ['uT', 'T', 'mT', 'G', 'mG'],
+  magnetometer: ['uT', 'T', 'mT', 'G', 'mG', 'local'],
 };
-const UNIT_TEXT: Record<string, string> = { 'm/s^2': 'm/s²', uT: 'µT', 'deg/s': '°/s' };
+const UNIT_TEXT: Record<string, string> = { 'm/s^2': 'm/s²', uT: 'µT', local: '× 45 µT', 'deg/s': '°/s' };
 const AXES = ['x', 'y', 'z'] as const;
 const FIXED = '';
 
