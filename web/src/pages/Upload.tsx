@@ -72,6 +72,11 @@ export function UploadPage() {
   const hasPose = format !== null && kind.needsPose;
   const table = formats.data?.find((one) => one.needs_mapping);
   const isTable = (name: string) => table?.endings.some((ending) => name.toLowerCase().endsWith(ending)) ?? false;
+  // Also tables in a zip, and what no ending says: the answer is the kind, or what the file is instead of a recording.
+  const isLookedAt = (name: string) => {
+    const ending = name.toLowerCase().slice(name.lastIndexOf('.'));
+    return isTable(name) || ending === '.zip' || !formats.data?.some((one) => one.endings.includes(ending));
+  };
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [withLegs, setWithLegs] = useState(false);
@@ -115,7 +120,7 @@ export function UploadPage() {
     look.reset();
     setMapping(null);
     setFormat((isTable(chosen.name) ? table : formatOf(chosen.name, formats.data ?? []))?.name ?? null);
-    if (isTable(chosen.name)) lookAt(chosen, null);
+    if (isLookedAt(chosen.name)) lookAt(chosen, null);
   };
   const choosePipeline = (chosen: Pipeline) => {
     setPipeline(chosen);
@@ -177,7 +182,7 @@ export function UploadPage() {
               key={`${file.name} ${file.lastModified}`}
               value={format}
               formats={formats.data ?? []}
-              isRecognised={look.isSuccess || !isTable(file.name)}
+              isRecognised={look.isSuccess || !isLookedAt(file.name)}
               onChange={setFormat}
             />
           )}

@@ -45,6 +45,7 @@ function takeUploads(answer: Job): UploadIn[] {
 const held = { endings: ['.csv'], pipeline: null, asks_pipeline: false, needs_mapping: false, description: '' };
 const FORMATS = [
   { ...held, name: 'csv', title: 'Table (CSV)', asks_pipeline: true, needs_mapping: true },
+  { ...held, name: 'zipped', title: 'Several tables of one recording (zip)', endings: ['.zip'], asks_pipeline: true },
   { ...held, name: 'packet_log', title: 'Packet log of a gateway', endings: ['.tmlog'], asks_pipeline: true },
   { ...held, name: 'qmt_mat', title: 'Whole-body recording (.mat)', endings: ['.mat'] },
   { ...held, name: 'gait_tracking', title: 'Walk with one foot sensor (x-io, CSV)', pipeline: 'gait' },
@@ -125,6 +126,32 @@ describe('a file that only its contents describe', () => {
     expect(await screen.findByText('The contents are recognised once the file is uploaded.')).toBeTruthy();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: null, file_name: 'trial.mat' });
+  });
+});
+
+describe('a file that is not what its ending says', () => {
+  const take = async (name: string, found: TablePreview | [number, unknown]) => {
+    const user = userEvent.setup({ applyAccept: false });
+    const declared = takeUploads(job({ status: 'queued' }));
+    const view = renderPage(<UploadPage />, {
+      at: '/?patient=p',
+      answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) },
+    });
+    await user.upload(await fileInput(view.container), new File(['x'], name));
+    return { user, declared };
+  };
+
+  it('is called by its name before anything is sent', async () => {
+    await take('walk.xlsx', [422, { code: 'invalid_input', message: 'This is a workbook.', details: {} }]);
+    expect(await screen.findByText(/This is a workbook/)).toBeTruthy();
+  });
+
+  it('and tables in a zip are sent as what their sensors are for', async () => {
+    const { user, declared } = await take('phone.zip', preview({ format: 'zipped' }));
+    expect(await screen.findByRole('radio', { name: /Single sensors/ })).toHaveProperty('checked', true);
+    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[0]).toMatchObject({ format: 'zipped', pipeline: 'orientation', csv: null });
   });
 });
 
