@@ -12,6 +12,7 @@ from app.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.readers import Guess, PipelineName, Preview
+    from app.readers.tables.look import Look
     from app.readers.tables.schemas import CsvMapping
 
 
@@ -68,7 +69,8 @@ def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None)
         typer.echo(text)
     else:
         out.write_text(text + "\n", "utf-8")
-    for line in (*found.guess.notes, *found.guess.missing):
+    look = say_how_read(found)
+    for line in look.missing:
         typer.echo(line, err=True)
 
 
@@ -93,7 +95,31 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
     return readers.preview_text(table.name, readers.start_of(table), asked, rate_hz)
 
 
-def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | None":
+def say_how_read(found: "Preview", hemisphere: str | None = None) -> "Look":
+    """Print what each sensor of a table is taken for and what that assumes, in the sentences of the upload page.
+
+    Parameters
+    ----------
+    found : Preview
+        With a guess.
+    hemisphere : {"north", "south", "unknown"}, optional
+        Where it is taken to be recorded; None: nothing is said of it.
+    """
+    from app.readers.tables.look import look_at
+
+    assert found.head is not None
+    assert found.guess is not None
+    look = look_at(found.head, found.guess, hemisphere=hemisphere)
+    for one in look.sensors:
+        typer.echo(one.sentence, err=True)
+    for line in look.assumed:
+        typer.echo(f"note: {line}", err=True)
+    return look
+
+
+def guessed_mapping(
+    found: "Preview", written: Path | None, hemisphere: str | None = None
+) -> "CsvMapping | None":
     """Return the guessed mapping of a table, or None for a format that needs none; say what was assumed.
 
     Parameters
@@ -101,6 +127,8 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
     found : Preview
     written : Path or None
         Where the mapping is written, also when it is not complete.
+    hemisphere : {"north", "south", "unknown"}, optional
+        Where it is taken to be recorded; None: the service decides it.
 
     Raises
     ------
@@ -113,6 +141,7 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
     if written is not None:
         written.parent.mkdir(parents=True, exist_ok=True)
         written.write_text(as_json(guess) + "\n", "utf-8")
+    say_how_read(found, hemisphere)
     if guess.missing:
         needs_rate = any(one.code in {"guess.no_time", "guess.counter_needs_rate"} for one in guess.missing)
         options = " Give the rate with --rate." if needs_rate else ""
@@ -125,8 +154,6 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
             f"{' '.join(guess.missing)}{options} {complete} with --mapping.",
             missing=[one.code for one in guess.missing],
         )
-    for line in guess.notes:
-        typer.echo(f"note: {line}", err=True)
     from app.readers.tables.schemas import CsvMapping
 
     return CsvMapping.model_validate(guess.mapping)

@@ -73,7 +73,7 @@ def process(
     columns = mapping_from(mapping) if mapping else None
     if guess:
         found = previewed(recording, pipeline, rate)
-        columns = guessed_mapping(found, out / "mapping.json")
+        columns = guessed_mapping(found, out / "mapping.json", hemisphere)
         format, pipeline = found.format, pipeline or found.pipeline
     elif format == "auto":
         format = readers.format_of(recording, columns)

@@ -114,7 +114,8 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
     columns = mapping_from(wanted.mapping) if wanted.mapping else None
     if wanted.guess:
         found = previewed(recording, pipeline, wanted.rate_hz)
-        columns, format, pipeline = guessed_mapping(found, None), found.format, pipeline or found.pipeline
+        columns = guessed_mapping(found, None, wanted.hemisphere)
+        format, pipeline = found.format, pipeline or found.pipeline
     elif format == "auto":
         format = readers.format_of(recording, columns)
     if columns is not None and not pipeline:

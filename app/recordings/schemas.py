@@ -3,9 +3,9 @@
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from pydantic import Base64Bytes, Field
+from pydantic import Field
 
-from app.readers.tables.schemas import CsvMapping, GuessedMapping
+from app.readers.tables.schemas import CsvMapping
 from app.schemas import Flag, Moment, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
@@ -170,38 +170,6 @@ class JobOut(Spoken):
     message: str
     is_implausible: bool
     """Failed because the readings of an upload cannot be right; see `accept_implausible`."""
-
-
-class PreviewIn(Schema):
-    """The beginning of a text file whose format is to be guessed."""
-
-    file_name: str = Field(max_length=200)
-    """With its ending; may say the side of a foot."""
-    beginning: Base64Bytes = Field(max_length=360_000)
-    """The first 256 KiB, or the whole file."""
-    pipeline: Literal["arm", "gait", "orientation"] | None = None
-    """What it is for, where a person said so."""
-    rate_hz: float | None = Field(default=None, gt=0)
-    """Samples a second, where a person said it: a counter is then a clock, and how far a sensor turns tells units."""
-
-
-class TablePreview(Spoken):
-    """What a text file seems to be, from its beginning; nothing of it was stored."""
-
-    format: str
-    """Of `UploadIn`."""
-    pipeline: Literal["arm", "gait", "orientation"]
-    """What the recording seems to be for."""
-    columns: list[str]
-    rows: list[list[str]]
-    """The first rows of data."""
-    skipped_lines: int
-    mapping: GuessedMapping | None
-    """How to read a table of the format `csv`, as far as names and numbers say it."""
-    notes: list[str]
-    """What was assumed or left out."""
-    missing: list[str]
-    """What a person must add."""
 
 
 class FormatOut(Schema):

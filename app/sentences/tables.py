@@ -114,10 +114,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.foot_side": "The table does not say which foot it is of; the right one is assumed.",
     "guess.field_relative": "The columns {columns:and} say no unit and have a size of about one: they are taken for"
     " multiples of the field where the magnetometer was calibrated, about 45 µT.",
-    "guess.unit_from_numbers": "The columns {columns:and} say no unit; their numbers are {unit}.",
+    "guess.unit_from_numbers": "The columns {columns:and} say no unit; their numbers are {unit:unit}.",
     "guess.no_unit": "The columns {columns:and} say no unit, and with a size of {size:number~3} their numbers are"
     " neither m/s² nor g nor mg; convert them first.",
-    "guess.unit_assumed": "The columns {columns:and} say no unit and their numbers none either; {unit} is assumed.",
+    "guess.unit_assumed": "The columns {columns:and} say no unit and their numbers none either; {unit:unit} is"
+    " assumed.",
 }
 
 __all__ = ["ENGLISH"]

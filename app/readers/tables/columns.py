@@ -55,27 +55,17 @@ def read_csv(path: Path, mapping: CsvMapping, tables: "Tables | None" = None) ->
     RecordingFormatError
         A column is missing or not numeric, a unit cannot be right, time does not advance, or it is too long.
     """
-    by_placement = _check_mapping(mapping)
+    by_placement = checked_mapping(mapping)
     head = head_of_file(path, mapping.delimiter) if tables is None else tables.head
-    clocks = {c for one in mapping.signals if (c := one.time_column or mapping.time_column) is not None}
-    text = {column for signal in mapping.signals for column in signal.rows}
-    if mapping.time_unit == CLOCK:
-        text |= clocks
-    wanted = [_source(name, head)[0] for signal in mapping.signals for name in signal.columns]
-    wanted = list(dict.fromkeys([*wanted, *sorted(clocks | text)]))
+    wanted, text = columns_of(mapping, head)
     table, said_of_rows = (
         read_table(path, wanted, head, text)
         if tables is None
-        else tables.read(wanted, text, mapping.time_unit, clocks)
+        else tables.read(wanted, text, mapping.time_unit, _clocks(mapping))
     )
-    notes = list(said_of_rows)
-    for clock in sorted(clocks) if mapping.time_unit == CLOCK else ():
-        table[clock], said = seconds_of_clock(table[clock].tolist())
-        notes += said
-    for column in text - clocks if mapping.time_unit == CLOCK else text:
-        table[column] = np.array([str(value or "").strip() for value in table[column]], dtype=object)
+    notes = [*said_of_rows, *with_times(mapping, table, text)]
     recorded = _first_moment(mapping, table)
-    reader = _Sensors(mapping, table, head, is_one_table=tables is None)
+    reader = TableSensors(mapping, table, head, is_one_table=tables is None)
     sensors = {placement: reader.sensor(placement, by_placement[placement]) for placement in by_placement}
     rate_hz = mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values())
     return Recording(
@@ -85,6 +75,53 @@ def read_csv(path: Path, mapping: CsvMapping, tables: "Tables | None" = None) ->
         metadata={"format": "csv", **recorded},
         notes=tuple(dict.fromkeys((*notes, *reader.notes))),
     )
+
+
+def columns_of(mapping: CsvMapping, head: TableHead) -> tuple[list[str], set[str]]:
+    """Return the columns that a mapping needs, each once, and those of them that are read as they are written.
+
+    Parameters
+    ----------
+    mapping : CsvMapping
+    head : TableHead
+
+    Raises
+    ------
+    RecordingFormatError
+        A column would be both.
+    """
+    text = {column for signal in mapping.signals for column in signal.rows}
+    clocks = _clocks(mapping)
+    if mapping.time_unit == CLOCK:
+        text |= clocks
+    wanted = [_source(name, head)[0] for signal in mapping.signals for name in signal.columns]
+    if both := sorted(text & set(wanted)):
+        raise RecordingFormatError(say("mapping.text_and_signal", columns=both))
+    return list(dict.fromkeys([*wanted, *sorted(clocks | text)])), text
+
+
+def with_times(mapping: CsvMapping, table: dict[str, Any], text: set[str]) -> list[Sentence]:
+    """Make seconds of times of day, in place, and trim other text; returns what was concluded from the times.
+
+    Parameters
+    ----------
+    mapping : CsvMapping
+    table : dict of str to ndarray
+    text : set of str
+        Columns as they are written, of `columns_of`.
+    """
+    notes: list[Sentence] = []
+    clocks = _clocks(mapping) if mapping.time_unit == CLOCK else set()
+    for clock in sorted(clocks):
+        table[clock], said = seconds_of_clock(table[clock].tolist())
+        notes += said
+    for column in text - clocks:
+        table[column] = np.array([str(value or "").strip() for value in table[column]], dtype=object)
+    return notes
+
+
+def _clocks(mapping: CsvMapping) -> set[str]:
+    return {c for one in mapping.signals if (c := one.time_column or mapping.time_column) is not None}
 
 
 def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str]:
@@ -99,8 +136,21 @@ def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str
     return as_metadata(float(table[mapping.time_column][0]) * UNIT_FACTORS[mapping.time_unit])
 
 
-class _Sensors:
-    """The sensors of a table, each by the clocks of its signals."""
+class TableSensors:
+    """The sensors of a table, each by the clocks of its signals.
+
+    Parameters
+    ----------
+    mapping : CsvMapping
+    table : dict of str to ndarray, shape (T,)
+        What it needs, with times in numbers; see `with_times`.
+    head : TableHead
+
+    Raises
+    ------
+    RecordingFormatError
+        There are fewer than two rows.
+    """
 
     def __init__(
         self, mapping: CsvMapping, table: dict[str, Any], head: TableHead, *, is_one_table: bool = True
@@ -116,7 +166,16 @@ class _Sensors:
         self.notes = _of_nobody(mapping, table)
 
     def sensor(self, placement: str, quantities: dict[str, CsvColumn]) -> SensorSignals:
-        """Return the signals of one sensor, on the stamps of its gyroscope."""
+        """Return the signals of one sensor, on the stamps of its gyroscope; refused where they cannot be right."""
+        signals = self.as_mapped(placement, quantities)
+        found = {"gyroscope": signals.gyroscope_radps, "accelerometer": signals.accelerometer_mps2}
+        if signals.magnetometer_t is not None:
+            found["magnetometer"] = signals.magnetometer_t
+        self._check(placement, quantities, found, float(np.median(np.diff(signals.time_s))))
+        return replace(signals, magnetometer_t=found.get("magnetometer"))
+
+    def as_mapped(self, placement: str, quantities: dict[str, CsvColumn]) -> SensorSignals:
+        """Return the signals of one sensor as the mapping says, whatever they are."""
         values = {name: self._values(one) for name, one in quantities.items()}
         base = quantities["gyroscope"]
         is_one = len({(one.time_column, *sorted(one.rows.items())) for one in quantities.values()}) == 1
@@ -134,7 +193,6 @@ class _Sensors:
                     found[name] = joined(own.time_s, values[name][own.rows], stream.time_s)
             self.notes.append(say("table.joined", where=placement))
         self._bases[placement] = stream
-        self._check(placement, quantities, found, float(np.median(np.diff(stream.time_s))))
         return SensorSignals(
             stream.time_s, found["gyroscope"], found["accelerometer"], found.get("magnetometer")
         )
@@ -226,7 +284,14 @@ class _Sensors:
         return self._streams[key]
 
 
-def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
+def checked_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
+    """Return the signals of each sensor by quantity.
+
+    Raises
+    ------
+    RecordingFormatError
+        It is no mapping of whole sensors with a time; says what is missing.
+    """
     has_clock = mapping.time_column is not None or all(one.time_column for one in mapping.signals)
     if mapping.rate_hz is None and (not has_clock or mapping.time_unit == COUNT):
         raise RecordingFormatError(say("mapping.no_time"))
@@ -323,4 +388,4 @@ def _source(name: str, head: TableHead) -> tuple[str, float]:
     return name, 1.0
 
 
-__all__ = ["read_csv"]
+__all__ = ["TableSensors", "checked_mapping", "columns_of", "read_csv", "with_times"]

@@ -227,10 +227,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guess.orientation_only": "Die Tabelle enthält Orientierungen ({columns:and}), nicht was die Sensoren"
     " messen; exportieren Sie auch Drehrate und Beschleunigung.",
     "guess.unit_assumed": "Die Spalten {columns:and} nennen keine Einheit, und auch ihre Zahlen verraten keine;"
-    " angenommen wird {unit}.",
+    " angenommen wird {unit:unit}.",
     "guess.field_relative": "Die Spalten {columns:and} nennen keine Einheit und sind etwa von der Größe eins: Sie"
     " gelten als Vielfache des Feldes, in dem das Magnetometer kalibriert wurde, etwa 45 µT.",
-    "guess.unit_from_numbers": "Die Spalten {columns:and} nennen keine Einheit; ihren Zahlen nach ist es {unit}.",
+    "guess.unit_from_numbers": "Die Spalten {columns:and} nennen keine Einheit; ihren Zahlen nach ist es {unit:unit}.",
 }
 
 __all__ = ["GERMAN"]

@@ -1,8 +1,44 @@
-"""German sentences of uploads and the 3D view."""
+"""German sentences of uploads, of what is shown of a table before, and of the 3D view."""
 
 from typing import Final
 
 GERMAN: Final[dict[str, str | dict[str, str]]] = {
+    "place.imu": "Sensor",
+    "unit.deg/s": "°/s",
+    "unit.mdps": "m°/s",
+    "unit.m/s^2": "m/s²",
+    "unit.uT": "µT",
+    "unit.us": "µs",
+    "mapping.text_and_signal": "Die Zuordnung nimmt {columns:and} für Zahlen eines Signals und für Text; wählen Sie für"
+    " eines davon eine andere Spalte.",
+    "guess.signal": "{quantity:quantity} in {unit:unit} ({columns})",
+    "guess.signal_of_rows": "{quantity:quantity} in {unit:unit} ({columns}, in Zeilen mit {rows})",
+    "guess.signal_without_unit": "{quantity:quantity} in unbekannter Einheit ({columns})",
+    "guess.sensor": "{where:place}: {signals:and}.",
+    "guess.sensor_unread": "{where:place}: {signals:and}; die Zeit steht in der Spalte {column}.",
+    "guess.sensor_stamped": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde nach der"
+    " Spalte {column}.",
+    "guess.sensor_stamped_in": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde nach der"
+    " Spalte {column}, in {unit:unit}.",
+    "guess.sensor_of_day": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde nach den"
+    " Uhrzeiten der Spalte {column}.",
+    "guess.sensor_counted": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde, gezählt von der"
+    " Spalte {column}.",
+    "guess.sensor_of_rows": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde, einer in jeder"
+    " Zeile.",
+    "guess.time_unit_assumed": "Die Spalte {column} nennt keine Einheit; ihren Schritten nach zählt sie in"
+    " {unit:unit}.",
+    "guess.rate_of_line": "Die Rate von {rate_hz:number~4} Messwerten in der Sekunde steht in einer Zeile über der"
+    " Tabelle.",
+    "guess.turned": "{where:place}: {quantity:quantity} mit dem anderen Vorzeichen, wie Sie es gewählt haben.",
+    "guess.sign_assumed": "Ohne Magnetometer zeigen die Signale das Vorzeichen des Beschleunigungssensors nicht: In"
+    " Ruhe zeigt er, so die Annahme, nach oben, wie bei den meisten Geräten.",
+    "guess.hemisphere_north": "Aufgenommen wurde, so die Annahme, nördlich des Äquators, wo das Magnetfeld nach unten"
+    " zeigt.",
+    "guess.hemisphere_south": "Aufgenommen wurde, so die Annahme, südlich des Äquators, wo das Magnetfeld nach oben"
+    " zeigt.",
+    "guess.hemisphere_unknown": "Wo aufgenommen wurde, ist nicht bekannt: Das Magnetfeld zeigt einen verkehrten"
+    " Beschleunigungssensor nicht.",
     "upload.broken_off": "Das Hochladen brach vor dem Ende ab; senden Sie noch einmal.",
     "upload.csv_needs_mapping": "Ein CSV-Upload braucht `csv`: welche Spalte was enthält, in welcher Einheit.",
     "upload.damaged_packets": {

@@ -2049,7 +2049,7 @@ export interface paths {
         put?: never;
         /**
          * Preview Upload
-         * @description Guess how a table is to be read, as `telemotion mapping` does; nothing of it is stored.
+         * @description Say how a table is read, as guessed or as a person has changed it, with its first seconds; nothing is stored.
          */
         post: operations["preview_upload_api_uploads_preview_post"];
         delete?: never;
@@ -4958,6 +4958,9 @@ export interface components {
             beginning: string;
             /** File Name */
             file_name: string;
+            /** Hemisphere */
+            hemisphere?: ("north" | "south" | "unknown") | null;
+            mapping?: components["schemas"]["GuessedMapping"] | null;
             /** Pipeline */
             pipeline?: ("arm" | "gait" | "orientation") | null;
             /** Rate Hz */
@@ -5403,6 +5406,28 @@ export interface components {
              * @enum {string}
              */
             status: "ok" | "noisy" | "lost";
+        };
+        /**
+         * SensorPreview
+         * @description A sensor of a table as it is taken, with its first seconds.
+         */
+        SensorPreview: {
+            /** Accelerometer Mps2 */
+            accelerometer_mps2: (number | null)[][];
+            /** Gyroscope Radps */
+            gyroscope_radps: (number | null)[][];
+            /** Magnetometer T */
+            magnetometer_t: (number | null)[][];
+            /** Sentence */
+            sentence: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Time S */
+            time_s: number[];
+            /** Where */
+            where: string;
         };
         /**
          * SensorProgress
@@ -5986,6 +6011,8 @@ export interface components {
         TablePreview: {
             /** Columns */
             columns: string[];
+            /** Doubts */
+            doubts: string[];
             /** Format */
             format: string;
             mapping: components["schemas"]["GuessedMapping"] | null;
@@ -6000,6 +6027,8 @@ export interface components {
             pipeline: "arm" | "gait" | "orientation";
             /** Rows */
             rows: string[][];
+            /** Sensors */
+            sensors: components["schemas"]["SensorPreview"][];
             /** Sentences */
             sentences?: {
                 [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
