@@ -85,6 +85,7 @@ export type MergeOut = Schemas['MergeOut'];
 export type Job = Schemas['JobOut'];
 export type UploadIn = Schemas['UploadIn'];
 export type TablePreview = Schemas['TablePreview'];
+export type SensorPreview = Schemas['SensorPreview'];
 export type PreviewIn = Schemas['PreviewIn'];
 export type CsvMapping = Schemas['CsvMapping'];
 export type GuessedMapping = Schemas['GuessedMapping'];

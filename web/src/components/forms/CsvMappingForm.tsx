@@ -16,7 +16,7 @@ const AXES = ['x', 'y', 'z'] as const;
 const FIXED = '';
 
 interface Props {
-  head: Pick<TablePreview, 'columns' | 'rows' | 'skipped_lines' | 'notes'>;
+  head: Pick<TablePreview, 'columns' | 'rows' | 'skipped_lines'>;
   /** Its sensors are on segments of a body. */
   hasPlaces: boolean;
   placements: readonly Placement[];
@@ -40,14 +40,7 @@ export function CsvMappingForm({ head, hasPlaces, placements, value, onChange }:
         {t('csv.help', { count: head.columns.length })}{' '}
         {head.skipped_lines > 1 && t('csv.skipped', { count: head.skipped_lines + 1 })}
       </p>
-      {head.notes.length > 0 && (
-        <ul className="small">
-          {head.notes.map((note) => (
-            <li key={note}>{note}</li>
-          ))}
-        </ul>
-      )}
-      <details className="as-table" open>
+      <details className="as-table">
         <summary>{t('csv.preview')}</summary>
         {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
         <div className="table-scroll" role="region" aria-label={t('csv.preview')} tabIndex={0}>
@@ -84,6 +77,8 @@ export function CsvMappingForm({ head, hasPlaces, placements, value, onChange }:
             onChange({
               ...value,
               time_column: column || null,
+              // Clocks of their own would hold against what is chosen here.
+              signals: value.signals.map((one) => ({ ...one, time_column: null })),
               rate_hz: column && value.time_unit !== 'count' ? null : (value.rate_hz ?? 100),
             })
           }

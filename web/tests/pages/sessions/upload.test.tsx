@@ -1,14 +1,27 @@
-import { screen, waitFor, within } from '@testing-library/react';
-import userEvent from '@testing-library/user-event';
+import { act, fireEvent, screen, waitFor, within } from '@testing-library/react';
+import userEvent, { type UserEvent } from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import type { Job, TablePreview, UploadIn } from '../../../src/api/types';
+import type { Job, PreviewIn, SensorPreview, TablePreview, UploadIn } from '../../../src/api/types';
+import { hasUnsaved, releaseAll } from '../../../src/lib/editing/unsaved';
 import { UploadPage } from '../../../src/pages/Upload';
 import { renderPage } from '../render';
+
+vi.mock('uplot', () => ({
+  default: class {
+    over = document.createElement('div');
+    setData() {}
+    destroy() {}
+  },
+}));
 
 // Options of a list are scrolled to, which the simulated page cannot do.
 Element.prototype.scrollIntoView = () => undefined;
 
-afterEach(() => vi.unstubAllGlobals());
+afterEach(() => {
+  releaseAll();
+  sessionStorage.clear();
+  vi.unstubAllGlobals();
+});
 
 const job = (change: Partial<Job>): Job => ({
   id: 'j',
@@ -104,6 +117,28 @@ const preview = (change: Partial<TablePreview> = {}): TablePreview => ({
   ...change,
 });
 
+const SENSOR: SensorPreview = {
+  where: 'imu',
+  sentence: 'Sensor: gyroscope in °/s (gyr_x, …y, …z) and accelerometer in g (acc_x, …y, …z); 100 samples a second.',
+  time_s: [0, 0.01, 0.02],
+  gyroscope_radps: [
+    [0, 0.1, Math.PI],
+    [0, 0, null],
+    [0, -0.5, 0],
+  ],
+  accelerometer_mps2: [
+    [0, 0, 0],
+    [0, 0, 0],
+    [9.8, 9.7, 9.9],
+  ],
+  magnetometer_t: [],
+  sentences: {},
+};
+
+const typeDay = () =>
+  fireEvent.change(screen.getByLabelText('Day of the recording'), { target: { value: '2026-01-09' } });
+const openForm = async (user: UserEvent) => user.click(await screen.findByText('Change what was guessed'));
+
 async function choose(found: TablePreview | [number, unknown]) {
   const user = userEvent.setup();
   const declared = takeUploads(job({ status: 'queued' }));
@@ -112,7 +147,9 @@ async function choose(found: TablePreview | [number, unknown]) {
     answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) },
   });
   await user.upload(await fileInput(view.container), new File(['t,gyr_x'], 'box.csv'));
-  return { user, declared };
+  const asked = () =>
+    view.asked.filter((one) => one.path === '/api/uploads/preview').map((one) => one.body as PreviewIn);
+  return { ...view, user, declared, asked };
 }
 
 describe('a file that only its contents describe', () => {
@@ -163,7 +200,7 @@ describe('a table', () => {
     expect(await screen.findByText('The unit was assumed.')).toBeTruthy();
     expect(screen.getByRole('radio', { name: /Single sensors/ })).toHaveProperty('checked', true);
     expect(declared).toEqual([]);
-    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
+    typeDay();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({
       format: 'csv',
@@ -174,7 +211,7 @@ describe('a table', () => {
   });
 
   it('is shown with its columns and first rows', async () => {
-    await choose(
+    const { user } = await choose(
       preview({
         rows: [
           ['0.00', '1', '2', '3', '4', '5', '6'],
@@ -182,6 +219,7 @@ describe('a table', () => {
         ],
       }),
     );
+    await openForm(user);
     const table = within(await screen.findByRole('region', { name: 'First lines of the file' })).getByRole('table');
     expect(
       within(table)
@@ -197,6 +235,7 @@ describe('a table', () => {
 
   it('is sent as a person corrects the guess', async () => {
     const { user, declared } = await choose(preview());
+    await openForm(user);
     const pick = async (box: string | RegExp, option: string) => {
       await user.click(await screen.findByRole('combobox', { name: box }));
       await user.click(await screen.findByRole('option', { name: option }));
@@ -204,7 +243,7 @@ describe('a table', () => {
     await pick('Unit of time', 'Times of day as text');
     await pick('Signal 1: unit', 'rad/s');
     await pick('Signal 2: column of x', 'gyr_x');
-    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
+    typeDay();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     const [gyroscope, accelerometer] = preview().mapping!.signals;
     expect(declared[0]?.csv).toEqual({
@@ -240,7 +279,7 @@ describe('a table', () => {
     const { user, declared } = await choose(preview({ format: 'gaitmap', pipeline: 'gait', mapping: null }));
     expect(await screen.findByText('Walk with both feet (gaitmap, CSV)')).toBeTruthy();
     expect(screen.queryByRole('radio', { name: /gaitmap/ })).toBeNull();
-    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
+    typeDay();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'gaitmap', csv: null });
   });
@@ -250,9 +289,86 @@ describe('a table', () => {
     await user.click(await screen.findByRole('button', { name: 'Not right?' }));
     expect(screen.getByRole('radio', { name: /gaitmap/ })).toHaveProperty('checked', true);
     await user.click(screen.getByRole('radio', { name: /x-io/ }));
-    await user.type(screen.getByLabelText('Day of the recording'), '2026-01-09');
+    typeDay();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'gait_tracking' });
+  });
+});
+
+describe('what a table is taken for', () => {
+  it('is said in a sentence with the curves of each sensor, before anything is sent', async () => {
+    await choose(preview({ sensors: [SENSOR] }));
+    expect(await screen.findByText(/gyroscope in °\/s/)).toBeTruthy();
+    expect(screen.getByText('The first 0.0 s')).toBeTruthy();
+    expect(
+      screen.getByRole('img', { name: 'Sensor, Angular rate: from −29 °/s to 180 °/s in the first seconds' }),
+    ).toBeTruthy();
+    expect(screen.getByRole('img', { name: /Acceleration: from 0.0 m\/s² to 9.9 m\/s²/ })).toBeTruthy();
+    expect(screen.queryByRole('img', { name: /Magnetic field/ })).toBeNull();
+  });
+
+  it('is looked at again once it was changed', async () => {
+    const { user, asked } = await choose(preview({ sensors: [SENSOR], doubts: ['It cannot be g.'] }));
+    expect(await screen.findByText('It cannot be g.')).toBeTruthy();
+    await openForm(user);
+    await user.click(await screen.findByRole('button', { name: 'Signal 2: column of z, points the other way' }));
+    await user.click(await screen.findByRole('combobox', { name: 'Signal 1: unit' }));
+    await user.click(await screen.findByRole('option', { name: 'rad/s' }));
+    await waitFor(() => expect(asked().at(-1)?.mapping?.signals[0]?.unit).toBe('rad/s'));
+    expect(asked().at(-1)?.mapping?.signals[1]?.columns).toEqual(['acc_x', 'acc_y', '-acc_z']);
+  });
+
+  it('stays calm with many sensors: only the first one shows its curves until another is opened', async () => {
+    const many = Array.from({ length: 17 }, (_, at) => ({
+      ...SENSOR,
+      where: `s${at}`,
+      sentence: `S${at}: as the rest.`,
+    }));
+    const { container, user } = await choose(preview({ sensors: many }));
+    expect(await screen.findByText('17 sensors')).toBeTruthy();
+    expect(container.querySelectorAll('.axes-chart')).toHaveLength(2);
+    await user.click(screen.getByText('S3'));
+    await waitFor(() => expect(container.querySelectorAll('.axes-chart')).toHaveLength(4));
+  });
+
+  it('has its hemisphere changed with it where a field is measured', async () => {
+    const found = preview({ sensors: [SENSOR] });
+    const field = { ...found.mapping!.signals[1]!, quantity: 'magnetometer' as const, unit: 'uT' as const };
+    found.mapping = { ...found.mapping!, signals: [...found.mapping!.signals, field] };
+    const { user, asked } = await choose(found);
+    await openForm(user);
+    await user.click(await screen.findByRole('combobox', { name: 'Recorded' }));
+    await user.click(await screen.findByRole('option', { name: 'South of the equator' }));
+    await waitFor(() => expect(asked()[1]).toMatchObject({ hemisphere: 'south' }));
+  });
+});
+
+describe('an upload that is left', () => {
+  it('asks first, and offers on coming back all but the file, whose corrections hold once it is chosen again', async () => {
+    const { user, router, asked, container } = await choose(preview({ sensors: [SENSOR] }));
+    await openForm(user);
+    await user.click(await screen.findByRole('button', { name: 'Signal 2: column of z, points the other way' }));
+    typeDay();
+    await act(() => router.navigate('/elsewhere'));
+    await user.click(await screen.findByRole('button', { name: 'Leave, go on later' }));
+    expect(await screen.findByText('elsewhere')).toBeTruthy();
+    await act(() => router.navigate('/?patient=p'));
+    await user.click(await screen.findByRole('button', { name: 'Continue with it' }));
+    expect(screen.getByLabelText<HTMLInputElement>('Day of the recording').value).toContain('2026');
+    expect(screen.getByText(/Choose the file box.csv again/)).toBeTruthy();
+    await user.upload(await fileInput(container), new File(['t,gyr_x'], 'box.csv'));
+    await waitFor(() => expect(asked().at(-1)?.mapping?.signals[1]?.columns).toEqual(['acc_x', 'acc_y', '-acc_z']));
+  });
+
+  it('asks nothing once the service has it', async () => {
+    const { user, router } = await choose(preview({ sensors: [SENSOR] }));
+    await screen.findByText(/gyroscope in/);
+    typeDay();
+    await waitFor(() => expect(screen.getByRole('button', { name: 'Upload' })).toHaveProperty('disabled', false));
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    await waitFor(() => expect(hasUnsaved()).toBe(false));
+    await act(() => router.navigate('/elsewhere'));
+    expect(screen.getByText('elsewhere')).toBeTruthy();
   });
 });
 

@@ -489,6 +489,14 @@ export const session: Translated<typeof english> = {
   'upload.sending': 'Datei wird gesendet',
   'upload.send': 'Hochladen',
 
+  'look.sensors': { one: 'Ein Sensor', other: '{count} Sensoren' },
+  'look.title': 'Wofür die Datei gehalten wird',
+  'look.seconds': 'Die ersten {seconds} s',
+  'look.assumed': 'Was angenommen wird',
+  'look.curve': '{place}, {quantity}: von {lowest} bis {highest} in den ersten Sekunden',
+  'look.change': 'Ändern, was geraten wurde',
+  'upload.fileAgain': 'Wählen Sie die Datei {name} noch einmal: Sie bleibt nicht auf diesem Gerät.',
+
   'csv.title': 'Spalten',
   'csv.help':
     'Die Datei hat {count} Spalten. Prüfen Sie die Zuordnungen, die nach Namen und Zahlen geraten sind. Noch wird nichts hochgeladen.',

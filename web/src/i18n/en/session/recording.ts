@@ -472,6 +472,14 @@ export const session = {
   'upload.sending': 'Sending the file',
   'upload.send': 'Upload',
 
+  'look.sensors': { one: 'One sensor', other: '{count} sensors' },
+  'look.title': 'What the file is taken for',
+  'look.seconds': 'The first {seconds} s',
+  'look.assumed': 'What is assumed',
+  'look.curve': '{place}, {quantity}: from {lowest} to {highest} in the first seconds',
+  'look.change': 'Change what was guessed',
+  'upload.fileAgain': 'Choose the file {name} again: it does not stay on this device.',
+
   'csv.title': 'Columns',
   'csv.help':
     'The file has {count} columns. Check the assignments guessed from their names and numbers. Nothing is uploaded yet.',
