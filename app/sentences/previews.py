@@ -25,6 +25,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.sensor_counted": "{where:place}: {signals:and}; {rate_hz:number~4} samples a second, counted by the column"
     " {column}.",
     "guess.sensor_of_rows": "{where:place}: {signals:and}; {rate_hz:number~4} samples a second, one in each row.",
+    "guess.units_from_numbers": "{quantity:quantity}: the columns of {count:number} sensors say no unit; their numbers"
+    " are {unit:unit}.",
+    "guess.units_assumed": "{quantity:quantity}: the columns of {count:number} sensors say no unit and their numbers"
+    " none either; {unit:unit} is assumed.",
     "guess.time_unit_assumed": "The column {column} says no unit; by its steps it counts in {unit:unit}.",
     "guess.rate_of_line": "The rate of {rate_hz:number~4} samples a second stands in a line above the table.",
     "guess.turned": "{where:place}: the {quantity:quantity} is taken with the other sign, as you chose.",

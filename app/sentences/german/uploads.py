@@ -26,6 +26,10 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Spalte {column}.",
     "guess.sensor_of_rows": "{where:place}: {signals:and}; {rate_hz:number~4} Messwerte in der Sekunde, einer in jeder"
     " Zeile.",
+    "guess.units_from_numbers": "{quantity:quantity}: Die Spalten von {count:number} Sensoren nennen keine Einheit;"
+    " ihren Zahlen nach ist es {unit:unit}.",
+    "guess.units_assumed": "{quantity:quantity}: Die Spalten von {count:number} Sensoren nennen keine Einheit, und auch"
+    " ihre Zahlen verraten keine; angenommen wird {unit:unit}.",
     "guess.time_unit_assumed": "Die Spalte {column} nennt keine Einheit; ihren Schritten nach zählt sie in"
     " {unit:unit}.",
     "guess.rate_of_line": "Die Rate von {rate_hz:number~4} Messwerten in der Sekunde steht in einer Zeile über der"

@@ -97,6 +97,25 @@ def test_a_unit_that_cannot_be_is_doubted_before_anything_is_sent():
     assert look.sensors[0].signals is not None
 
 
+def test_what_is_the_same_of_many_sensors_is_said_once():
+    names = [f"{place}_{one}" for place in ("sternum", "pelvis", "head", "hand_left") for one in NINE[:6]]
+    parts = [part for at in range(4) for part in (GYROSCOPE[at : at + 1400], FORCE[at : at + 1400])]
+    content = text([",".join(["time_s", *names])], rows_of(*parts, time_s=TIME_S[:1400])).encode()
+    look, _ = seen(content)
+    assert codes(look.assumed) == [
+        "guess.units_assumed",
+        "guess.units_from_numbers",
+        "guess.sign_assumed",
+    ]
+    assert look.assumed[0].parameters == {"count": 4, "quantity": "gyroscope", "unit": "rad/s"}
+
+    def one_changed(mapping):
+        next(one for one in mapping.signals if one.quantity == "gyroscope").unit = "deg/s"
+
+    changed, _ = seen(content, one_changed)
+    assert changed.assumed[0].parameters["count"] == 3
+
+
 def test_what_is_missing_is_asked_until_it_is_said():
     content = text([",".join(NINE[:6])], rows_of(GYROSCOPE, FORCE, time_s=None)).encode()
     look, _ = seen(content)

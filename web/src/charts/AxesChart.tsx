@@ -36,7 +36,7 @@ export function AxesChart({ timeS, axes, factor, unit, name, label }: AxesChartP
       scales: { x: { time: false, range: (_, low, high) => [low, high] } },
       axes: [
         axis({ size: 24, space: 60, values: (_, ticks) => ticks.map((one: number) => `${plainTick(one, 1)} s`) }),
-        axis({ size: 52, space: 30, values: (_, ticks) => ticks.map((one: number) => plainTick(one, 2)) }),
+        axis({ size: 52, space: 20, values: (_, ticks) => ticks.map((one: number) => plainTick(one, 2)) }),
       ],
       series: [
         {},

@@ -160,8 +160,8 @@ export function UploadPage() {
   const isRefused = hasFailed && job.data?.is_implausible === true;
   return (
     <Page narrow title={t('upload.heading')} lead={t('upload.lead')}>
-      {unsaved.guard}
       <form className="stack" onSubmit={submit}>
+        {unsaved.guard}
         <section className="card stack">
           {restored?.file && !file && <p role="status">{t('upload.fileAgain', { name: restored.file })}</p>}
           {formats.data && <FileDrop file={file} formats={formats.data} onFile={take} />}

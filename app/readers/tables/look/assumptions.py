@@ -1,5 +1,6 @@
 """What is assumed of a table: what the guess said and still holds, and what its signals cannot show."""
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Final
 
@@ -36,7 +37,40 @@ def assumed(
         if note.code not in _OF_TIME and _STILL.get(note.code, _always)(note, guess, mapping)
     ]
     found = [_left_out(note, mapping) if note.code == "guess.left_out" else note for note in found]
-    return (*found, *_of_time(head, guess, mapping), *_of_signs(mapping, hemisphere))
+    return (*_together(found, mapping), *_of_time(head, guess, mapping), *_of_signs(mapping, hemisphere))
+
+
+def _together(notes: list[Sentence], mapping: GuessedMapping) -> list[Sentence]:
+    """Say of many sensors once what is the same of each."""
+    quantities: dict[tuple[str, ...], str] = {tuple(one.columns): one.quantity for one in mapping.signals}
+    alike = Counter(_alike(note, quantities) for note in notes)
+    found: dict[tuple[str, ...], Sentence] = {}
+    for at, note in enumerate(notes):
+        key = _alike(note, quantities)
+        many = _OF_MANY.get(note.code)
+        if many is None or alike[key] < _MANY:
+            found[str(at),] = note
+        else:
+            found[key] = many(
+                alike[key], quantities[tuple(note.parameters["columns"])], note.parameters["unit"]
+            )
+    return list(found.values())
+
+
+def _alike(note: Sentence, quantities: dict[tuple[str, ...], str]) -> tuple[str, ...]:
+    said = note.parameters
+    return note.code, quantities.get(tuple(said.get("columns", ())), ""), str(said.get("unit", ""))
+
+
+_MANY: Final = 3
+_OF_MANY: Final[dict[str, Callable[[int, str, str], Sentence]]] = {
+    "guess.unit_from_numbers": lambda count, quantity, unit: say(
+        "guess.units_from_numbers", count=count, quantity=quantity, unit=unit
+    ),
+    "guess.unit_assumed": lambda count, quantity, unit: say(
+        "guess.units_assumed", count=count, quantity=quantity, unit=unit
+    ),
+}
 
 
 def missing(guess: Guess, mapping: GuessedMapping) -> tuple[Sentence, ...]:

@@ -36,7 +36,7 @@ export function FirstLook({ seen, isChanging }: { seen: Seen; isChanging: boolea
             )}
           </div>
           {shownS > 0 && <AxesLegend />}
-          <ul className="plain-list look-sensors">
+          <ul className={sensors.length > MOST_OPEN ? 'plain-list look-sensors look-many' : 'plain-list look-sensors'}>
             {sensors.map((one, index) => (
               <Sensor key={one.where} sensor={one} isOpen={index === 0 || sensors.length <= MOST_OPEN} />
             ))}
