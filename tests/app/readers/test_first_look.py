@@ -113,7 +113,7 @@ def test_what_is_the_same_of_many_sensors_is_said_once():
         next(one for one in mapping.signals if one.quantity == "gyroscope").unit = "deg/s"
 
     changed, _ = seen(content, one_changed)
-    assert changed.assumed[0].parameters["count"] == 3
+    assert sentence(changed.assumed, "guess.units_assumed").parameters["count"] == 3
 
 
 def test_what_is_missing_is_asked_until_it_is_said():

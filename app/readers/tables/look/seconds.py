@@ -48,13 +48,11 @@ def first_seconds(head: TableHead, mapping: CsvMapping) -> FirstSeconds:
     head : TableHead
     mapping : CsvMapping
     """
-    if not head.body:
-        # Of several tables in a zip only the heads are put together.
-        return FirstSeconds({}, {})
     try:
         by_place = checked_mapping(mapping)
         table = _table(head, mapping)
-        reader = TableSensors(mapping, table, head)
+        # Several tables in a zip have no rows to show: theirs stand side by side, each on its own clock.
+        reader = TableSensors(mapping, table, head, is_one_table=bool(head.rows))
     except RecordingFormatError as error:
         return FirstSeconds({}, {}, (_said(error),))
     sensors: dict[str, SensorSignals] = {}
