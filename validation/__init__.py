@@ -61,6 +61,7 @@ from validation.orientation.broad_conditions import BROAD_CONDITIONS
 from validation.orientation.broad_cuts import BROAD_CUTS
 from validation.orientation.broad_offline import BROAD_OFFLINE
 from validation.orientation.covariance import COVARIANCE
+from validation.orientation.false_diagnoses import FALSE_DIAGNOSES
 from validation.orientation.honesty import HONESTY
 from validation.orientation.wrong_inputs import WRONG_INPUTS
 from validation.progress import PROGRESS_FALSE_ALARMS, PROGRESS_INTERVAL, PROGRESS_POWER
@@ -183,6 +184,7 @@ _PROTOCOLS = (
     OPTICAL_NOISE_CHECKS,
     OPTICAL_INNOVATION_CHECKS,
     OPTICAL_REFUSAL,
+    FALSE_DIAGNOSES,
     ARM_RECORDING,
     BROAD,
     BROAD_CONDITIONS,

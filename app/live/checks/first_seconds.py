@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from app.errors import Unavailable
+from app.live.checks.live_words import in_live_words
 from app.live.checks.plausibility import Check, check
 from app.live.checks.recent import LATE_TICKS, RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
@@ -192,7 +193,9 @@ class FirstSeconds:
             levels = checked.clip_levels
             levels[[name in self._gone for name in self._names]] = np.inf
             self._clipped(levels)
-        self._current = [finding for finding in checked.findings if finding.sensor not in self._gone]
+        self._current = [
+            in_live_words(finding) for finding in checked.findings if finding.sensor not in self._gone
+        ]
         new = [finding for finding in self._current if self._is_new(finding)]
         self._known |= {finding.subject: finding for finding in new}
         if new:

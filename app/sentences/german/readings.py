@@ -15,6 +15,12 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " zueinander. So sieht es bei Eisen oder einem Magneten in der Nähe aus, aber auch bei falsch angegebenen Achsen."
     " Gehen Sie von Eisen weg, und drehen Sie den Sensor um jede seiner Achsen; kommt dieser Hinweis wieder, lassen Sie"
     " den Sensor prüfen.",
+    "readings.axes_in_doubt_six": "{where:place}: Gyroskop und Beschleunigungssensor passen nicht ganz zueinander."
+    " Drehen Sie den Sensor um jede seiner Achsen; kommt dieser Hinweis wieder, prüfen Sie die angegebenen Achsen, und"
+    " lassen Sie den Sensor prüfen.",
+    "readings.axes_unclear": "{where:place}: Die Achsen seiner Messgrößen passen nicht zueinander, und diese Bewegung"
+    " zeigt nicht, welche vertauscht sind. Drehen Sie den Sensor um jede seiner Achsen, und prüfen Sie die angegebenen"
+    " Achsen.",
     "readings.axes_apart": "{where:place}: Gyroskop und Beschleunigungssensor haben nicht dieselben Achsen."
     " Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.field_axes_apart": "{where:place}: Gyroskop und Magnetometer haben nicht dieselben Achsen."
@@ -29,7 +35,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.field_in_nanotesla": "Das sieht nach Nanotesla aus: durch 1 000 000 000 teilen.",
     "readings.field_normalised": "Das sieht nach einem normierten Feld aus: Senden Sie die Rohwerte.",
     "readings.field_off": "{where:place}: Das Magnetometer zeigt {field_t:ut~3}, erwartet sind 25 bis 65 µT."
-    " Prüfen Sie die Einheit, gehen Sie weg von Eisen und Magneten, und kalibrieren Sie es.",
+    " Gehen Sie weg von Eisen und Magneten, und kalibrieren Sie es; hilft das nicht, prüfen Sie die Einheit.",
     "readings.field_up": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach oben. Das stimmt, wo"
     " südlich des Äquators aufgenommen wurde: Geben Sie das an. Sonst liefert der Beschleunigungssensor Schwerkraft"
     " statt spezifischer Kraft, wie Telefone und Geräte mit Nord-Ost-unten-Achsen, oder das Magnetometer ist"
@@ -60,7 +66,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.gyroscope_in_degrees": "{where:place}: Das Gyroskop zeigt das 57-fache der Drehung des Sensors:"
     " Grad/s sind als rad/s angegeben. Durch 57,296 teilen oder Grad/s angeben.",
     "readings.gyroscope_restless": "{where:place}: Das Gyroskop zeigt {rate_radps:number~2} rad/s, während der"
-    " Sensor still liegt. Sind das Grad/s, geben Sie sie so an; sonst bestimmen Sie den Gyroskop-Nullpunkt.",
+    " Beschleunigungssensor stillsteht. Lag der Sensor still, können das Grad/s sein: Geben Sie sie so an; sonst"
+    " bestimmen Sie den Gyroskop-Nullpunkt.",
     "readings.gyroscope_scale": "{where:place}: Das Gyroskop zeigt das {factor:number~3}\u2011fache der Drehung des"
     " Sensors, nach Schwerkraft und Feld beurteilt. Prüfen Sie Einheit und Skalenfaktor.",
     "readings.gyroscope_silent": "{where:place}: Der Sensor dreht sich, aber sein Gyroskop zeigt nichts."
@@ -69,6 +76,31 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " obwohl der Sensor mit {force_mps2:mps2} geschüttelt wird. Prüfen Sie seine Einheit.",
     "readings.gyroscope_twice": "{where:place}: Das Gyroskop zeigt ein 57stel der Drehung des Sensors: rad/s"
     " wurden zweimal umgerechnet. Geben Sie rad/s an.",
+    "readings.live_sensor_axes": "{where:place}: Die Achsen dieses Sensors passen nicht zueinander, so wie seine"
+    " Sensorbox sie angibt ({mapping:and}). Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die"
+    " Sensorbox eingerichtet hat.",
+    "readings.live_sensor_amiss": "{where:place}: Gyroskop, Beschleunigungssensor und Magnetometer dieses Sensors"
+    " passen nicht ganz zueinander. Gehen Sie von Eisen weg, und drehen Sie den Sensor um jede seiner Achsen;"
+    " kommt dieser Hinweis wieder, nehmen Sie einen anderen Sensor, und lassen Sie diesen prüfen.",
+    "readings.live_gyroscope_unit": "{where:place}: Das Gyroskop misst nicht in der Einheit, die seine Sensorbox"
+    " angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die Sensorbox eingerichtet hat.",
+    "readings.live_gyroscope_restless": "{where:place}: Das Gyroskop zeigt {rate_radps:number~2} rad/s, während"
+    " der Beschleunigungssensor stillsteht. Legen Sie den Sensor hin, und bestimmen Sie seinen"
+    " Gyroskop-Nullpunkt; kommt dieser Hinweis wieder, nehmen Sie einen anderen Sensor.",
+    "readings.live_accelerometer_unit": "{where:place}: Der Beschleunigungssensor zeigt die Schwerkraft nicht in"
+    " der Einheit, die seine Sensorbox angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die"
+    " Sensorbox eingerichtet hat.",
+    "readings.live_magnetometer_unit": "{where:place}: Das Magnetometer misst nicht in der Einheit, die seine"
+    " Sensorbox angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die Sensorbox eingerichtet"
+    " hat.",
+    "readings.live_field_up": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach oben. Das stimmt"
+    " südlich des Äquators: Stellen Sie die Erdhalbkugel dieses Dienstes ein. Sonst gibt die Sensorbox"
+    " Schwerkraft oder Feld mit dem anderen Vorzeichen: Nehmen Sie einen anderen Sensor, und sagen Sie es dem,"
+    " der sie eingerichtet hat.",
+    "readings.live_field_down": "{where:place}: Das Magnetfeld zeigt um {angle_rad:deg} nach unten. Das stimmt"
+    " nördlich des Äquators: Stellen Sie die Erdhalbkugel dieses Dienstes ein. Sonst gibt die Sensorbox"
+    " Schwerkraft oder Feld mit dem anderen Vorzeichen: Nehmen Sie einen anderen Sensor, und sagen Sie es dem,"
+    " der sie eingerichtet hat.",
     "readings.magnetometer_against_gyroscope": "{where:place}: Die Achsen des Magnetometers passen nicht zu"
     " denen des Gyroskops. Prüfen Sie die angegebenen Achsen: {mapping:and}.",
     "readings.magnetometer_constant": "{where:place}: Das Magnetometer ändert sich nie. Geben Sie an, dass es"
@@ -86,6 +118,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     },
     "readings.no_data": "{where:place}: Es kommen kaum Messwerte an. Prüfen Sie, ob der Sensor eingeschaltet und"
     " in der Nähe ist.",
+    "readings.unexplained": "{where:place}: Das Gyroskop passt nicht zu dem, was Schwerkraft und Magnetfeld im Sensor"
+    " tun, und weder eine andere Einheit noch vertauschte Achsen erklären es. Prüfen Sie zuerst die Abtastrate und die"
+    " Zeitstempel, dann, ob Messwerte mehrerer Sensoren vermischt sind, dann Eisen in der Nähe.",
 }
 
 __all__ = ["GERMAN"]

@@ -1,60 +1,22 @@
 """How far gravity and field contradict a gyroscope, for every way its axes and its unit may have been mistaken."""
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import permutations, product
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators import rotation
-from estimators.conventions import GRAVITY_MPS2
+from estimators.calibration.plausibility.leftover import of_field, of_force
+from estimators.calibration.plausibility.mistakes import SCALES, SIGNED_PERMUTATIONS
 from estimators.gravity import calm_size
 from estimators.recording import Float
 
-SIGNED_PERMUTATIONS: Final = np.stack(
-    [
-        np.eye(3)[list(order)] * np.array(signs)[:, None]
-        for order in permutations(range(3))
-        for signs in product((1.0, -1.0), repeat=3)
-    ]
-)
-"""All 48 ways to name and sign three axes, shape (48, 3, 3): 24 rotations, 24 reflections; the identity is first."""
-IS_PROPER: Final[NDArray[np.bool_]] = np.linalg.det(SIGNED_PERMUTATIONS) > 0.0
-"""Which of them are rotations, shape (48,)."""
-SCALES: Final = (
-    1.0,
-    180.0 / math.pi,
-    math.pi / 180.0,
-    GRAVITY_MPS2,
-    1.0 / GRAVITY_MPS2,
-    100.0,
-    0.01,
-    1e3,
-    1e-3,
-    1e6,
-    1e-6,
-)
-"""What a gyroscope may have to be multiplied with: units taken for one another, and lost prefixes."""
 WINDOW_S: Final = 6.0
 """Long enough to turn, short enough for the drift of a gyroscope to be nothing."""
 HOP: Final = 1.0 / 3.0
 """Of a window, from its beginning to that of the next."""
 _RATE_HZ: Final = 50.0
 """Samples are averaged down to about this: a hand turns by less than a tenth of a turn meanwhile."""
-_BLOCK_S: Final = 0.1
-_SHAKEN_S: Final = 0.06
-"""Specific force says how fast a sensor may be going by its size within this time before and after."""
-_SPEED_S: Final = 1.0
-_SPEED_FLOOR_S: Final = 0.02
-"""Speed over gravity's acceleration that is expected for each multiple of gravity by which specific force differs from
-it, and where it does not: a foot on the ground stands, one that swings runs at several metres a second."""
-_FIELD_FLOOR: Final = 1e-3
-"""Of the variance of the field's direction: two degrees."""
-_IRON_WEIGHT: Final = 0.02
-"""A hard iron as large as the field costs this share of the field's square."""
 _TURNED: Final = 0.02
 """Variance of a direction in the sensor, relative to its square, from which it has turned: by eight degrees."""
 _TURNING_S: Final = 0.4
@@ -138,7 +100,7 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -
     starts = turning(force, size, length, step_s)
     if len(starts):
         chosen = starts[:, None] + np.arange(length)
-        left, unturned = _of_force(rate[chosen], force[chosen] / size, step_s)
+        left, unturned = of_force(rate[chosen], force[chosen] / size, step_s)
         found = Evidence(left, found.field, np.array([unturned, 0.0]), np.array([len(starts), 0]))
     if field is None:
         return found
@@ -147,7 +109,7 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -
     starts = turning(field, strength, length, step_s) if strength > 0.0 else starts[:0]
     if len(starts):
         chosen = starts[:, None] + np.arange(length)
-        left, unturned = _of_field(rate[chosen], field[chosen] / strength, step_s)
+        left, unturned = of_field(rate[chosen], field[chosen] / strength, step_s)
         found += Evidence(0.0 * left, left, np.array([0.0, unturned]), np.array([0, len(starts)]))
     return found
 
@@ -192,97 +154,8 @@ def resting_rate(rate: Float, force: Float, size: float, step_s: float) -> Float
     return np.asarray(offset if np.linalg.norm(offset) < _MOST_OFFSET * fastest else np.zeros(3))
 
 
-def _of_force(rate: Float, force: Float, step_s: float) -> tuple[Float, float]:
-    """Return the sums of `Evidence` for windows of specific force in units of gravity, shape (W, N, 3)."""
-    windows = len(force)
-    width = max(1, round(_BLOCK_S / step_s))
-    blocks = force.shape[1] // width
-    used = blocks * width
-    shaken = _smoothed((np.linalg.norm(force, axis=2) - 1.0) ** 2, max(1, round(_SHAKEN_S / step_s)))
-    shaken = shaken[:, :used].reshape(windows, blocks, width).mean(axis=2)
-    weight = 1.0 / (_SPEED_FLOOR_S**2 + _SPEED_S**2 * shaken)
-    floor = blocks / weight.sum(axis=1)
-    pieces = force[:, :used].reshape(windows, blocks, width, 3) * step_s
-    # Of the speeds, what no straight line explains, each by its weight.
-    line = np.stack((np.ones(blocks), np.arange(blocks) - 0.5 * (blocks - 1)), axis=1)
-    normal = np.linalg.inv(np.einsum("bi,wb,bj->wij", line, weight, line))
-    fitted = np.einsum("bi,wij,cj,wc->wbc", line, normal, line, weight, optimize=True)
-    rest = np.sqrt(weight / weight.sum(axis=1, keepdims=True))[:, :, None] * (np.eye(blocks) - fitted)
-    # Speed at the middle of each block.
-    rest = rest @ (np.tri(blocks) - 0.5 * np.eye(blocks))
-
-    def cost(back: Float) -> Float:
-        left = (rest @ back.reshape(windows, blocks, -1)) ** 2
-        return np.asarray(
-            np.log(left.sum(axis=1).reshape(windows, -1, 3).sum(axis=2) + floor[:, None]).sum(axis=0)
-        )
-
-    def left(attitude: Float, mappings: Float) -> Float:
-        matrices = attitude[:, :used].reshape(windows, blocks, width, 9).transpose(0, 1, 3, 2)
-        outer = (matrices @ pieces).reshape(windows, blocks, 3, 3, 3)
-        return cost(np.einsum("wbijk,mkj->wbmi", outer, mappings, optimize=True))
-
-    return _over_readings(rate, step_s, left), float(cost(pieces.sum(axis=2)[:, :, None])[0])
-
-
-def _of_field(rate: Float, field: Float, step_s: float) -> tuple[Float, float]:
-    """Return the sums of `Evidence` for windows of a field of about unit size, shape (W, N, 3)."""
-    mean = field.mean(axis=1)
-    square = (field**2).sum(axis=2).mean(axis=1)
-
-    def left(attitude: Float, mappings: Float) -> Float:
-        middle = attitude.mean(axis=1)
-        flat = attitude.reshape(*attitude.shape[:2], 9).transpose(0, 2, 1)
-        outer = (flat @ field).reshape(-1, 3, 3, 3) / field.shape[1]
-        # Iron and field that leave the least: the means of the field in the sensor and of the field turned back.
-        means = np.concatenate(
-            (
-                np.einsum("mkj,wk->wmj", mappings, mean),
-                np.einsum("wijk,mkj->wmi", outer, mappings, optimize=True),
-            ),
-            axis=2,
-        )
-        normal = np.tile(np.diag([1.0 + _IRON_WEIGHT] * 3 + [1.0 + 1e-9] * 3), (len(mean), 1, 1))
-        normal[:, 3:, :3], normal[:, :3, 3:] = middle, middle.transpose(0, 2, 1)
-        explained = np.einsum("wmi,wij,wmj->wm", means, np.linalg.inv(normal), means, optimize=True)
-        return np.asarray(np.log(np.maximum(square[:, None] - explained, 0.0) + _FIELD_FLOOR).sum(axis=0))
-
-    unturned = float(np.log(square - (mean**2).sum(axis=1) + _FIELD_FLOOR).sum())
-    return _over_readings(rate, step_s, left), unturned
-
-
-def _over_readings(rate: Float, step_s: float, left: Callable[[Float, Float], Float]) -> Float:
-    """Return what is left for each scale and mapping of the gyroscope, shape (11, 48).
-
-    Notes
-    -----
-    A proper mapping M turns the attitude R of the plain gyroscope into M R M', an improper one does the same with
-    the reversed gyroscope and -M. So two attitudes a scale do for all; the outer M does not change a variance.
-    """
-    found = np.empty((len(SCALES), len(SIGNED_PERMUTATIONS)))
-    sound = np.nan_to_num(rate)
-    for number, scale in enumerate(SCALES):
-        for sign, where in ((1.0, IS_PROPER), (-1.0, ~IS_PROPER)):
-            attitude = rotation.to_matrix(
-                rotation.running_product(rotation.exp(sign * scale * step_s * sound))
-            )
-            found[number, where] = left(attitude, sign * SIGNED_PERMUTATIONS[where])
-    return found
-
-
-def _smoothed(values: Float, reach: int) -> Float:
-    """Return the running mean along the second axis over `reach` before and after."""
-    total = np.concatenate((np.zeros((len(values), 1)), np.cumsum(values, axis=1)), axis=1)
-    at = np.arange(values.shape[1])
-    first, stop = np.maximum(at - reach, 0), np.minimum(at + reach + 1, values.shape[1])
-    return np.asarray((total[:, stop] - total[:, first]) / (stop - first))
-
-
 __all__ = [
     "HOP",
-    "IS_PROPER",
-    "SCALES",
-    "SIGNED_PERMUTATIONS",
     "WINDOW_S",
     "Evidence",
     "gather",

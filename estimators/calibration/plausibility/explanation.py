@@ -1,20 +1,24 @@
-"""Which triad of a sensor is mistaken, and how: the explanation that gravity and field like best."""
+"""Which triad of a sensor is mistaken, and how: the explanation that gravity and field like best, where one fits."""
 
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
-from estimators.calibration.plausibility.contradiction import IS_PROPER, SCALES, SIGNED_PERMUTATIONS, Evidence
+from estimators.calibration.plausibility.contradiction import Evidence
+from estimators.calibration.plausibility.mistakes import IS_PROPER, SCALES, SIGNED_PERMUTATIONS
 from estimators.recording import Float
 
 Triad = Literal["gyroscope", "accelerometer", "magnetometer"]
 
-DOUBT: Final = 3.0
-"""Logarithm of the likelihood that another reading must gain before it is named. Sound recordings, also cut to pieces
-of ten seconds, stay below two and a half."""
-CERTAIN: Final = 8.0
+DOUBT: Final = 4.0
+"""Logarithm of the likelihood that another reading must gain before it is named. Sound recordings stay below two
+and a half."""
+CERTAIN: Final = 4.5
 """The same before a recording is refused."""
+_FITS: Final = np.array([2.5, 3.5])
+"""What the right reading leaves of gravity, and of the field, in a window on average: in sound recordings, a magnet
+nearby included, at most 1.7 and 2.9."""
 _NEAR: Final = 1.5
 """Explanations this close to the best cannot be distinguished from it."""
 _COMPLEX: Final = 1.5
@@ -41,6 +45,10 @@ class Explanation:
         Logarithm of the likelihood against the readings as they are.
     gain_over_silence : float
         The same against a gyroscope that says nothing.
+    fits : bool
+        With it the readings fit as those of a sound recording do. Otherwise something is wrong that is none of this.
+    is_clear : bool
+        No other mapping of these triads, and no other unit, does about as well.
     """
 
     triads: frozenset[Triad]
@@ -48,11 +56,18 @@ class Explanation:
     mapping: Float
     gain: float
     gain_over_silence: float
+    fits: bool
+    is_clear: bool
 
     @property
     def is_certain(self) -> bool:
         """Whether it may refuse a recording: both the readings as they are and none at all do far worse."""
-        return self.gain >= CERTAIN and self.gain_over_silence >= DOUBT
+        return self.fits and self.gain >= CERTAIN and self.gain_over_silence >= DOUBT
+
+    @property
+    def is_amiss(self) -> bool:
+        """Whether something is certainly wrong that this does not explain: as they are the readings fit far worse."""
+        return not self.fits and self.gain >= CERTAIN and self.gain_over_silence >= CERTAIN
 
 
 def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
@@ -73,20 +88,7 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     """
     force, field = evidence.force, evidence.field
     plain = float(force[0, 0] + field[0, 0])
-    turned = fastest_radps * np.array(SCALES)
-    is_ordinary = _ORDINARY_RADPS[0] < fastest_radps < _ORDINARY_RADPS[1]
-    unit = np.where(
-        (turned > _POSSIBLE_RADPS[0]) & (turned < _POSSIBLE_RADPS[1]), _COMPLEX * is_ordinary, np.inf
-    )
-    unit[0] = 0.0
-    prior = np.tile(unit[:, None], (1, len(SIGNED_PERMUTATIONS)))
-    prior[1:, 1:] += _COMPLEX
-    proper = np.where(IS_PROPER, 0.0, np.inf)
-    costs: dict[Triad, Float] = {
-        "gyroscope": force + field + prior,
-        "accelerometer": force + field[:, :1] + prior + proper,
-        "magnetometer": force[:, :1] + field + prior + proper,
-    }
+    costs, is_ordinary = _costs(force, field, fastest_radps)
     best = min(float(cost.min()) for cost in costs.values())
     if plain - best < DOUBT:
         return None
@@ -108,7 +110,44 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
         SIGNED_PERMUTATIONS[mapping] if triads[0] == "gyroscope" else SIGNED_PERMUTATIONS[mapping].T,
         plain - best,
         float(evidence.unturned.sum()) - best,
+        _fits(evidence, triads[0], scale, mapping),
+        _is_clear(costs, near, best),
     )
+
+
+def _costs(force: Float, field: Float, fastest_radps: float) -> tuple[dict[Triad, Float], bool]:
+    """Return what each mistake leaves, shape (11, 48) a triad, and whether the gyroscope reads what limbs do."""
+    turned = fastest_radps * np.array(SCALES)
+    is_ordinary = _ORDINARY_RADPS[0] < fastest_radps < _ORDINARY_RADPS[1]
+    unit = np.where(
+        (turned > _POSSIBLE_RADPS[0]) & (turned < _POSSIBLE_RADPS[1]), _COMPLEX * is_ordinary, np.inf
+    )
+    unit[0] = 0.0
+    prior = np.tile(unit[:, None], (1, len(SIGNED_PERMUTATIONS)))
+    prior[1:, 1:] += _COMPLEX
+    proper = np.where(IS_PROPER, 0.0, np.inf)
+    return {
+        "gyroscope": force + field + prior,
+        "accelerometer": force + field[:, :1] + prior + proper,
+        "magnetometer": force[:, :1] + field + prior + proper,
+    }, is_ordinary
+
+
+def _fits(evidence: Evidence, triad: Triad, scale: int, mapping: int) -> bool:
+    """Tell whether a mistake leaves as little as the right reading of a sound recording does."""
+    of_force = evidence.force[scale, 0 if triad == "magnetometer" else mapping]
+    of_field = evidence.field[scale, 0 if triad == "accelerometer" else mapping]
+    return bool((np.array([of_force, of_field]) <= _FITS * evidence.windows).all())
+
+
+def _is_clear(costs: dict[Triad, Float], near: dict[Triad, tuple[int, int]], best: float) -> bool:
+    """Tell whether all else of the same triads does clearly worse."""
+    others = {triad: costs[triad].copy() for triad in near}
+    for triad, (scale, mapping) in near.items():
+        others[triad][scale, mapping] = np.inf
+        # As they are, the readings do worse already.
+        others[triad][0, 0] = np.inf
+    return min(float(cost.min()) for cost in others.values()) > best + _NEAR
 
 
 __all__ = ["CERTAIN", "DOUBT", "Explanation", "Triad", "explain"]

@@ -27,6 +27,7 @@ FindingCode = Literal[
     "magnetometer_frozen",
     "magnetometer_unit",
     "no_data",
+    "unexplained",
 ]
 
 

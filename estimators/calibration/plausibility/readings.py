@@ -16,6 +16,12 @@ from estimators.recording import Float
 _ENOUGH_WINDOWS: Final = 48
 """With so many windows of movement the axes and the unit of a sensor are known."""
 _RESTING_S, _RESTING_SPREAD = 0.5, 0.02
+_LYING_RADPS, _LYING_SHARE = 0.15, 0.1
+"""What a gyroscope reads at most while it lies still: an offset, or in another unit a small share of its movement."""
+_EVEN_RADPS, _EVEN_SHARE = 0.05, 0.05
+_FEWEST: Final = 3
+_WHITE: Final = 0.6
+"""Noise of a device is less alike from sample to sample than this; a tremor goes on."""
 
 
 class Readings:
@@ -45,6 +51,9 @@ class Readings:
         self.turns: list[Float] = []
         """Of each stretch the mean of rate times rate, shape (3, 3), (rad/s)^2: about which axes it turned."""
         self.resting_radps: list[tuple[float, float]] = []
+        """Of each stretch what the gyroscope reads where the force stands still, and its noise there."""
+        self.resting_mps2: list[float] = []
+        """Of each stretch the size of the force where the sensor lies still."""
         self.field_t: list[float] = []
         self.field_spread: list[float] = []
         self.still_products: list[Float] = []
@@ -131,12 +140,16 @@ class Readings:
         pieces = force[: parts * width].reshape(parts, width, 3)
         size = np.linalg.norm(pieces.mean(axis=1), axis=1)
         still = np.linalg.norm(pieces.std(axis=1), axis=1) < _RESTING_SPREAD * size
-        turning = rate[: parts * width].reshape(parts, width, 3)[still]
-        turning = turning[np.isfinite(turning).all(axis=(1, 2))]
-        if len(turning):
-            rest = np.linalg.norm(np.median(turning.mean(axis=1), axis=0))
-            spread = np.median(np.linalg.norm(turning.std(axis=1), axis=1))
-            self.resting_radps.append((float(rest), float(spread)))
+        turning = rate[: parts * width].reshape(parts, width, 3)
+        still &= np.isfinite(turning).all(axis=(1, 2))
+        if not still.any():
+            return
+        self.resting_radps.append(_at_rest(turning[still]))
+        # On a circle at even pace the force stands still in the sensor as well, and is not gravity.
+        most = max(_LYING_RADPS, _LYING_SHARE * self.fastest[-1])
+        still &= np.linalg.norm(turning.mean(axis=1), axis=1) < most
+        if still.any():
+            self.resting_mps2.append(float(np.median(size[still])))
         if field is None:
             return
         means = field[: parts * width].reshape(parts, width, 3).mean(axis=1)[still]
@@ -145,6 +158,23 @@ class Readings:
             up = pieces.mean(axis=1)[still][sound]
             up, means = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (up, means[sound]))
             self.still_products.append(np.einsum("ni,nj->ij", up, means) / len(up))
+
+
+def _at_rest(turning: Float) -> tuple[float, float]:
+    """Return what a gyroscope reads in pieces in which the force stands still, and its noise there.
+
+    Zero where a person may turn or tremble: about the vertical, at a pace that is not even, or smoothly.
+    """
+    means = turning.mean(axis=1)
+    middle = np.median(means, axis=0)
+    rest = float(np.linalg.norm(middle))
+    apart_from_it = np.median(np.linalg.norm(means - middle, axis=1))
+    is_even = len(means) >= _FEWEST and apart_from_it < _EVEN_RADPS + _EVEN_SHARE * rest
+    apart = turning - means[:, None]
+    square = (apart**2).sum(axis=(1, 2))
+    alike = (apart[:, 1:] * apart[:, :-1]).sum(axis=(1, 2)) / np.maximum(square, 1e-300)
+    noise = float(np.median(np.sqrt(square / turning.shape[1])))
+    return rest if is_even else 0.0, noise if np.median(alike) < _WHITE else 0.0
 
 
 __all__ = ["Readings"]

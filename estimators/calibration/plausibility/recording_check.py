@@ -192,6 +192,8 @@ class _Verdict:
             is_of_axes = explanation is not None and explanation.scale == 1.0
             if is_force_alive and explanation is not None and is_of_axes and self._decides(explanation):
                 self._axes(explanation, hemisphere if is_field_alive else "unknown")
+            if explanation is not None and explanation.is_amiss:
+                self._unexplained(explanation)
         if is_force_alive and is_field_alive and hemisphere != "unknown":
             self._sign(hemisphere)
         return self.found
@@ -212,10 +214,13 @@ class _Verdict:
         if self._is_constant("accelerometer").all():
             self._tell("accelerometer_dead", say("readings.accelerometer_dead", where=where), 0.0)
             return False
-        size = float(np.median(self.readings.calm)) if self.readings.calm else GRAVITY_MPS2
+        # Where nothing lies still the calmest moments are taken: they tell another unit, not some per cent.
+        seen, is_at_rest = self.readings.resting_mps2, bool(self.readings.resting_mps2)
+        seen = seen if is_at_rest else self.readings.calm
+        size = float(np.median(seen)) if seen else GRAVITY_MPS2
         factor = max(size, 1e-300) / GRAVITY_MPS2
         factor = max(factor, 1.0 / factor)
-        if factor <= _GRAVITY_NEAR or (factor <= _GRAVITY_SURE and not self.readings.resting_radps):
+        if factor <= _GRAVITY_NEAR or (factor <= _GRAVITY_SURE and not is_at_rest):
             return True
         remedies = [remedy for low, high, remedy in _FORCE_UNITS if low <= size <= high]
         remedy = remedies[0] if remedies else say("readings.force_unknown")
@@ -255,7 +260,8 @@ class _Verdict:
         shaken = max(self.readings.shaken, default=0.0)
         scale = 1.0 if explanation is None else explanation.scale
         is_certain = explanation is not None and explanation.is_certain
-        if scale != 1.0 and (is_certain or fastest >= _SILENT_RADPS):
+        fits = explanation is not None and explanation.fits and explanation.is_clear
+        if scale != 1.0 and fits and (is_certain or fastest >= _SILENT_RADPS):
             self._tell(
                 "gyroscope_unit",
                 _unit_message(where, 1.0 / scale),
@@ -275,6 +281,11 @@ class _Verdict:
                 # It may be turning about the vertical, or tremble.
                 message = say("readings.gyroscope_restless", where=where, rate_radps=rate)
                 self._tell("gyroscope_unit", message, rate, "warning")
+
+    def _unexplained(self, explanation: Explanation) -> None:
+        """Say that gyroscope, gravity and field do not fit where nothing on the list explains it."""
+        message = say("readings.unexplained", where=[self.name])
+        self._tell("unexplained", message, explanation.gain, "warning")
 
     def _decides(self, explanation: Explanation) -> bool:
         """Tell whether the sensor turned about the axes that would be exchanged by more than an offset does.
@@ -316,9 +327,17 @@ class _Verdict:
         else:
             code = "gyroscope_or_accelerometer_axes"
             message = say("readings.axes_apart", where=where, mapping=axes)
+        if not explanation.fits:
+            return
+        # Which triad, and how its axes would be right, is reported where the readings then fit clearly better.
         if not explanation.is_certain:
-            # Which triad, and how its axes would be right, is reported where the readings then fit clearly better.
-            message = say("readings.axes_in_doubt", where=where)
+            message = (
+                say("readings.axes_in_doubt", where=where)
+                if seen_field
+                else say("readings.axes_in_doubt_six", where=where)
+            )
+        elif not explanation.is_clear:
+            message = say("readings.axes_unclear", where=where)
         self._tell(code, message, explanation.gain, severity)
 
     def _signed(self, mapping: Float, triad: str, hemisphere: Hemisphere) -> Float:

@@ -37,8 +37,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " going by gravity and field. Check its unit and its scale factor.",
     "readings.gyroscope_too_calm": "{where:place}: the gyroscope reads at most {rate_radps:number~2} rad/s although the"
     " sensor is shaken by {force_mps2:mps2}. Check its unit.",
-    "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the sensor"
-    " lies still. If these are degrees/s, declare them so; otherwise find the gyroscope zero.",
+    "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the"
+    " accelerometer stands still. If the sensor lay still, these may be degrees/s: declare them so; otherwise find the"
+    " gyroscope zero.",
     "readings.gyroscope_against_others": "{where:place}: the axes of the gyroscope do not fit the other sensors."
     " Check the axes that are declared: {mapping:and}.",
     "readings.accelerometer_against_others": "{where:place}: the axes of the accelerometer do not fit the other"
@@ -56,6 +57,34 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.axes_in_doubt": "{where:place}: gyroscope, accelerometer and magnetometer do not quite fit each other."
     " Iron or a magnet nearby looks like this, and so do axes that are declared wrongly. Go away from iron and turn the"
     " sensor about each of its axes; if this word comes again, have the sensor checked.",
+    "readings.axes_in_doubt_six": "{where:place}: gyroscope and accelerometer do not quite fit each other. Turn the"
+    " sensor about each of its axes; if this word comes again, check the axes that are declared, and have the sensor"
+    " checked.",
+    "readings.axes_unclear": "{where:place}: the axes of its sensors do not fit each other, and this movement does not"
+    " show which are exchanged. Turn the sensor about each of its axes, and check the axes that are declared.",
+    "readings.unexplained": "{where:place}: the gyroscope does not fit what gravity and the magnetic field do in the"
+    " sensor, and neither another unit nor exchanged axes explain it. Check the rate and the time stamps first, then"
+    " whether samples of several sensors are mixed, then iron nearby.",
+    "readings.live_sensor_axes": "{where:place}: the axes of this sensor do not fit each other as its sensor box"
+    " gives them ({mapping:and}). Use another sensor, and tell whoever set up the sensor box.",
+    "readings.live_sensor_amiss": "{where:place}: gyroscope, accelerometer and magnetometer of this sensor do not"
+    " quite fit each other. Go away from iron and turn the sensor about each of its axes; if this word comes"
+    " again, use another sensor and have this one checked.",
+    "readings.live_gyroscope_unit": "{where:place}: the gyroscope does not read in the unit that its sensor box"
+    " declares. Use another sensor, and tell whoever set up the sensor box.",
+    "readings.live_gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the"
+    " accelerometer stands still. Lay the sensor down and find its gyroscope zero; if this word comes again, use"
+    " another sensor.",
+    "readings.live_accelerometer_unit": "{where:place}: the accelerometer does not show gravity in the unit that"
+    " its sensor box declares. Use another sensor, and tell whoever set up the sensor box.",
+    "readings.live_magnetometer_unit": "{where:place}: the magnetometer does not read in the unit that its sensor"
+    " box declares. Use another sensor, and tell whoever set up the sensor box.",
+    "readings.live_field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. That is right south"
+    " of the equator: set the hemisphere of this service. Otherwise the sensor box gives gravity or the field"
+    " with the other sign: use another sensor, and tell whoever set it up.",
+    "readings.live_field_down": "{where:place}: the magnetic field points down by {angle_rad:deg}. That is right"
+    " north of the equator: set the hemisphere of this service. Otherwise the sensor box gives gravity or the"
+    " field with the other sign: use another sensor, and tell whoever set it up.",
     "readings.magnetometer_zero": "{where:place}: the magnetometer always reads zero. Declare that there is none, or"
     " switch it on.",
     "readings.magnetometer_constant": "{where:place}: the magnetometer never changes. Declare that there is none, or"
@@ -69,8 +98,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.field_normalised": "This looks like a normalised field: send the raw readings.",
     "readings.field_in_milligauss": "This looks like milligauss: divide by 10 000 000.",
     "readings.field_in_nanotesla": "This looks like nanotesla: divide by 1 000 000 000.",
-    "readings.field_off": "{where:place}: the magnetometer reads {field_t:ut~3} where 25 to 65 µT is expected. Check"
-    " its unit, go away from iron and magnets, and calibrate it.",
+    "readings.field_off": "{where:place}: the magnetometer reads {field_t:ut~3} where 25 to 65 µT is expected. Go away"
+    " from iron and magnets, and calibrate it; if that does not help, check its unit.",
     "readings.field_varies": "{where:place}: the magnetic field varies by {share:percent}. Go away from iron and"
     " magnets, or calibrate the magnetometer.",
     "readings.field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. That is right where this was"

@@ -8,8 +8,10 @@ import pytest
 
 from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
+from app.live.checks.live_words import _WORDS
 from app.live.checks.plausibility import check
-from app.sentences import say
+from app.sentences import ENGLISH, say
+from app.sentences.german import GERMAN
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere, RecordingCheck
 from estimators.recording import Float, ImuChunk
@@ -54,7 +56,9 @@ def test_a_unit_is_told_while_the_patient_still_stands(sound: ImuChunk) -> None:
     watch, told = asyncio.run(watched(replace(sound, accelerometer_mps2=faulty)))
     assert [(f.sensor, f.code) for _, f in told] == [("forearm_right", "accelerometer_unit")]
     assert told[0][0] < 5.0
-    assert codes(watch.hint) == ["readings.accelerometer_unit", "readings.force_in_g"]
+    assert codes(watch.hint) == ["readings.live_accelerometer_unit"], (
+        "nobody who wears it has a table to correct"
+    )
     assert told[0][1].message.parameters["where"] == ["forearm_right"]
 
 
@@ -63,6 +67,8 @@ def test_axes_are_told_with_the_first_movement(sound: ImuChunk) -> None:
     faulty[0] = faulty[0][:, [1, 0, 2]]
     _, told = asyncio.run(watched(replace(sound, gyroscope_radps=faulty)))
     assert [(f.sensor, f.code) for _, f in told] == [("upper_arm_right", "gyroscope_axes")]
+    assert told[0][1].message.code == "readings.live_sensor_axes"
+    assert told[0][1].message.parameters["mapping"] == ["x → y", "y → x"]
     assert told[0][0] < 17.0
 
 
@@ -228,3 +234,19 @@ def test_a_report_that_fails_does_not_end_the_checks_of_others(sound: ImuChunk) 
         assert turns.begin()
 
     asyncio.run(run())
+
+
+@pytest.mark.parametrize("language", ["english", "german"])
+def test_no_word_to_a_person_with_a_live_sensor_speaks_of_columns(language: str) -> None:
+    """Every message that advises to declare, map or scale something has another one live."""
+    known = GERMAN if language == "german" else ENGLISH
+    of_tables = ("declare", "column", "multiply", "angegebenen", "Spalten", "malnehmen", "Geben Sie")
+    dead = {"readings.magnetometer_zero", "readings.magnetometer_constant"}
+    advises = {
+        code
+        for code, words in known.items()
+        if code.startswith("readings.")
+        and "{where:place}" in str(words)
+        and any(word in str(words) for word in of_tables)
+    }
+    assert {code for code in advises if not code.startswith("readings.live_")} <= {*_WORDS, *dead}
