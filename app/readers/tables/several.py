@@ -33,7 +33,7 @@ from estimators.recording import Float
 
 _OF_TIME: Final = frozenset(
     {"guess.no_time", "guess.counter_needs_rate", "guess.counter", "guess.rate_left", "guess.rows_counted"}
-) | {"guess.own_clocks"}
+) | {"guess.own_clocks", "guess.microseconds", "guess.clocks_left", "guess.time_unit"}
 """What is said of the clock of a table: each of several has its own."""
 _COUNTER_WRAPS: Final = (2.0**16, 2.0**32)
 _GRAVITY: Final = "gravity"

@@ -75,6 +75,7 @@ def test_tables_of_quantities_are_joined_by_their_times(tmp_path: Path) -> None:
     found = readers.read(path)
     (signals,) = found.sensors.values()
     assert {"zip.joined", "table.joined"} <= set(codes(found.notes))
+    assert not {"guess.clocks_left", "guess.own_clocks"} & set(codes(found.notes))
     inside = slice(1, -1)
     at_s = LATE_S[0] + signals.time_s[inside]
     np.testing.assert_allclose(signals.gyroscope_radps[inside], between(GYROSCOPE, at_s), atol=1e-5)
