@@ -27,6 +27,8 @@ _MOST_UNEVEN: Final = 0.2
 """Of the steps of a device: its samples come at one rate."""
 _TURN: Final = 1.2
 """Times the mean step of all rows: what one device of several takes at least to its next sample."""
+_FEWEST_SWITCHES: Final = 0.1
+"""Of the rows: devices that send in turns change from row to row."""
 _OVERLAP: Final = 0.5
 """Of the time of a device: while it was on, others were, too."""
 _JUMP: Final = 3.0
@@ -99,11 +101,15 @@ def devices_of_rows(
         ):
             continue
         texts = np.array(body.texts(column))
-        is_named = any(map(_DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
+        is_mark = any(map(_NO_DEVICE.fullmatch, words))
+        is_named = not is_mark and (
+            any(map(_DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
+        )
         # What nobody calls a device makes devices only where its rows take turns and do not belong together.
-        if not is_named and (
-            any(map(_NO_DEVICE.fullmatch, words)) or not _jumps(texts, body.numbers(*signals))
-        ):
+        if not is_named and (is_mark or not _jumps(texts, body.numbers(*signals))):
+            continue
+        if float((texts[1:] != texts[:-1]).mean()) < _FEWEST_SWITCHES and not _begins_again(body, time, unit):
+            # Phases of one recording, one after the other.
             continue
         clocks = (
             [] if time is None else [[body.of_rows({column: value}).seconds(time, unit) for value in values]]
@@ -114,6 +120,14 @@ def devices_of_rows(
         if any(_take_turns(parts, is_named=is_named) for parts in clocks):
             return Turns(column, values, {})
     return None
+
+
+def _begins_again(body: Body, time: str | None, unit: str) -> bool:
+    """Return whether the time of rows falls, as where one device stands below the other."""
+    if time is None:
+        return False
+    at = body.times(time, unit)
+    return bool((np.diff(at[np.isfinite(at)]) < 0.0).any())
 
 
 def _jumps(texts: NDArray[np.str_], signals: Float) -> bool:

@@ -221,6 +221,21 @@ def test_one_place_knows_where_clocks_run_over(bits):
     np.testing.assert_array_equal(np.sort(gone_on(late)), true)
 
 
+def test_a_counter_of_one_byte_that_lost_much_at_its_end():
+    count = np.concatenate([np.arange(186, 250), np.arange(328, 480)])
+    np.testing.assert_array_equal(unwrapped(np.mod(count, 256).astype(float))[0], count)
+
+
+def test_phases_of_a_recording_are_no_devices(tmp_path):
+    stamps = [f"2026-12-25 09:05:{20 + int(0.4 + stamp):02d}" for stamp in TIME_S]
+    for name in ("imu3 activity", "position"):
+        phases = [("rest", "reach", "back")[k // 90 % 3] for k in range(len(ROWS))]
+        rows = [[s, *r, phase] for s, r, phase in zip(stamps, ROWS, phases, strict=True)]
+        found, said = read(tmp_path, ",".join(["time", *NINE[:6], name]), rows)
+        assert set(found.sensors) == {"imu"}
+        assert "guess.devices" not in said
+
+
 def test_a_clock_of_few_steps_that_was_set_back_does_not_run_over():
     stamps = np.concatenate([np.arange(0.0, 50_000.0, 10_000.0), np.arange(0.0, 90_000.0, 10_000.0)])
     np.testing.assert_array_equal(gone_on(stamps), stamps)

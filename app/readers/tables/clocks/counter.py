@@ -81,8 +81,9 @@ def _wrap(counter: Float, steps: Float, falls: NDArray[np.intp]) -> float | None
     is_end = (high - before <= near) & (after - low <= near)
     if int(is_end.sum()) >= 2 and is_end.mean() > 0.8:
         return high - low + usual
-    # With many samples lost at each end.
-    return _between(high, low, _MOST_NEAR * _OF_COUNTERS[0] / _NEAR, _OF_COUNTERS[:1])
+    # Of one byte with many samples lost at its ends: it falls by more than half.
+    byte = _OF_COUNTERS[0]
+    return byte if high < byte and bool((steps[falls] < -0.5 * byte).all()) else None
 
 
 def _between(before: float, after: float, usual: float, sizes: tuple[float, ...]) -> float | None:

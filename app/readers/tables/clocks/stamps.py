@@ -9,6 +9,8 @@ from estimators.recording import Float
 LOWEST_HZ, HIGHEST_HZ = 1.0, 4000.0
 _EVEN, _APART = 1.5, 0.05
 """Steps: as far as stamps of an even rate stray that are coarse; a share: holes make the mean step longer."""
+_FEW, _FINER = 20, 0.02
+"""In steps, and a share."""
 UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -97,6 +99,11 @@ def nominal_rate(time_s: Float) -> float:
     ):
         # None is missing: of 800 Hz the steps are 1 and 2.
         usual = mean
+    # Over small holes, too: of few steps of 2 and 3 ms there may be more of one.
+    count = np.rint(steps / usual)
+    near = (count > 0) & (count < _FEW)
+    if abs(finer := float(steps[near].sum() / count[near].sum()) / usual - 1.0) < _FINER:
+        usual *= 1.0 + finer
     measured = 1.0 / usual
     whole = round(measured)
     return float(whole) if abs(measured - whole) < 2e-3 * whole else measured
