@@ -39,7 +39,7 @@ def declared(engine: Engine, settings: Settings, world: Any, queue: Any, simulat
             engine, settings, job_id, job.session_id, world.subjects["therapist"], job.arguments
         )
         log = readers.LogReader(path)
-        _declare(context, log.declaration, log.recorded_at, with_legs=False)
+        _declare(context, log.declaration, "arm", log.recorded_at, with_legs=False)
         with read_only(engine) as session:
             found = session.get_one(MotionSession, job.session_id)
             texts = session.scalars(select(SessionEvent.text).where(SessionEvent.session_id == found.id))
