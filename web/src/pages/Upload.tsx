@@ -18,6 +18,7 @@ import { number } from '../lib/format';
 import { AnalysisWait, JobProgress } from './session/AnalysisWait';
 import { AboutPart, type About } from './upload/AboutPart';
 import { FileDrop, FormatChoice } from './upload/FilePart';
+import { FirstLook } from './upload/FirstLook';
 import { hasField, HemisphereChoice, TablePart, type Hemisphere } from './upload/TablePart';
 import { useTable } from './upload/useTable';
 
@@ -116,7 +117,8 @@ export function UploadPage() {
     send.reset();
     table.forget();
     setFormat((isTable(chosen.name) ? tables : formatOf(chosen.name, formats.data ?? []))?.name ?? null);
-    if (isLookedAt(chosen.name)) table.lookAt(chosen, again?.mapping ? again.pipeline : null, again?.mapping ?? undefined);
+    if (isLookedAt(chosen.name))
+      table.lookAt(chosen, again?.mapping ? again.pipeline : null, again?.mapping ?? undefined);
   };
   const choosePipeline = (chosen: Pipeline) => {
     setPipeline(chosen);
@@ -187,6 +189,9 @@ export function UploadPage() {
           )}
           {table.isLooking && <p className="muted">{t('upload.looking')}</p>}
           {table.error && <Problem error={table.error} />}
+          {file && format && !format.needs_mapping && table.seen && !table.isLooking && (
+            <FirstLook seen={table.seen} isChanging={false} />
+          )}
           {file && format?.needs_mapping && table.seen && mapping && !table.isLooking && (
             <TablePart
               key={`${file.name} ${file.lastModified}`}

@@ -17,6 +17,7 @@ type Seen = Pick<TablePreview, 'sensors' | 'notes' | 'missing' | 'doubts'>;
 
 export function FirstLook({ seen, isChanging }: { seen: Seen; isChanging: boolean }) {
   const { sensors, notes, missing, doubts } = seen;
+  if ([sensors, notes, missing, doubts].every((one) => one.length === 0)) return null;
   const shownS = Math.max(0, ...sensors.map((one) => one.time_s.at(-1) ?? 0));
   return (
     <section className="stack first-look" aria-label={t('look.title')} aria-busy={isChanging}>
