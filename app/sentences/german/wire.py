@@ -23,7 +23,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "zip.joined_by_rows": "{names:and} haben keine Zeit: Ihre ersten Zeilen gelten als derselbe Augenblick.",
     "zip.pauses": {
         "one": "Die Aufzeichnung war einmal unterbrochen; die Pause steht wieder in ihrer Zeit.",
-        "other": "Die Aufzeichnung war {count:number}-mal unterbrochen; die Pausen stehen wieder in ihrer Zeit.",
+        "other": "Die Aufzeichnung war {count:number}\u2011mal unterbrochen; die Pausen stehen wieder in ihrer Zeit.",
     },
     "file.foreign": "{kind:foreign}",
     "foreign.workbook": "Das ist eine Arbeitsmappe eines Tabellenprogramms (Excel). Speichern Sie das Blatt mit den"

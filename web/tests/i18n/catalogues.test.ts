@@ -37,6 +37,7 @@ const ALIKE = new Set([
   '{minutes} min {seconds} s',
   '{minutes} min',
   '{title}, live',
+  '{quantity:quantity} in {unit:unit} ({columns})',
   '± (mm)',
 ]);
 /** English words that no German sentence has; `an`, `in`, `was`, `am`, `also`, `war`, `die` are German too. */
