@@ -23,7 +23,11 @@ _DIGITS = 4
 @router.post("/uploads/preview")
 def preview_upload(wanted: PreviewIn, request: Request, _: CurrentSubject) -> TablePreview:
     """Say how a table is read, as guessed or as a person has changed it, with its first seconds; nothing is stored."""
-    settings: Settings = services_of(request).settings
+    return previewed(wanted, services_of(request).settings)
+
+
+def previewed(wanted: PreviewIn, settings: Settings) -> TablePreview:
+    """Return what a service with these settings says of the beginning of a file."""
     found = readers.preview_text(wanted.file_name, wanted.beginning, wanted.pipeline, wanted.rate_hz)
     head, guess = found.head, found.guess
     look = _NOTHING

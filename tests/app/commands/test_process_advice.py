@@ -20,8 +20,8 @@ KEYS = dict(zip(SOUND, ("gyroscope_radps", "accelerometer_mps2", "magnetometer_u
 
 def processed(folder: Path, table: dict[str, np.ndarray], mapping: dict, *options: str):
     """Run the command on a table with one sensor."""
-    content = np.load(DATA)
-    time_s = np.arange(len(content["movement"])) / float(content["sampling_rate_hz"])
+    with np.load(DATA) as content:
+        time_s = np.arange(len(content["movement"])) / float(content["sampling_rate_hz"])
     names = ["t", *(f"{quantity}_{axis}" for quantity in SOUND for axis in "xyz")]
     rows = np.column_stack([time_s, *(table[quantity] for quantity in SOUND)])
     np.savetxt(folder / "box.csv", rows, fmt="%.9g", delimiter=",", header=",".join(names), comments="")
@@ -68,8 +68,9 @@ def orientation(folder: Path) -> np.ndarray:
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Readings, and what is estimated of them."""
-    content, folder = np.load(DATA), tmp_path_factory.mktemp("sound")
-    table = {quantity: content[key].astype(float) for quantity, key in KEYS.items()}
+    folder = tmp_path_factory.mktemp("sound")
+    with np.load(DATA) as content:
+        table = {quantity: content[key].astype(float) for quantity, key in KEYS.items()}
     assert processed(folder, table, declared()).exit_code == 0
     return table, orientation(folder)
 

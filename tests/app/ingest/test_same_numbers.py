@@ -145,7 +145,7 @@ def test_an_upload_and_the_command_line_give_the_same_numbers(
     name: str,
 ) -> None:
     path = CASES[name](tmp_path, simulated)
-    is_table = name.startswith("csv")
+    is_table = name.startswith(("csv", "zipped"))
     wanted = Wanted(world.patient_id, guess=is_table, force=is_table)
     frames, pipeline = stored(engine, settings, queue, path, wanted)
     options = ["--guess", "--force"] if is_table else []

@@ -20,9 +20,11 @@ from app.commands.processing import estimate
 from app.commands.upload import Wanted, declaration_of
 from app.errors import InvalidInput
 from app.ingest import upload_task
-from app.ingest.preview import preview_upload
+from app.ingest.preview import previewed
+from app.ingest.preview_schemas import PreviewIn
 from app.recordings.analysis.jobs import run_job
-from app.recordings.schemas import PreviewIn, UploadIn
+from app.recordings.schemas import UploadIn
+from app.sentences import say as said
 from app.settings import Settings
 from estimators.pipelines import SessionSetup
 from estimators.sentences import Sentence
@@ -167,6 +169,9 @@ CASES = {
 }
 
 
+FIELD = {place: said(f"guess.hemisphere_{place}") for place in ("north", "south", "unknown")}
+
+
 @pytest.fixture
 def doors(
     engine: Engine,
@@ -214,10 +219,11 @@ def doors(
         return Verdict((), setup["rate_hz"], tuple(setup["placements"]), setup["pipeline"], said)
 
     def page(case: Case) -> tuple[UploadIn, list[str]] | Verdict:
-        asked = {"file_name": case.name, "rate_hz": case.rate_hz}
+        asked = {"file_name": case.name, "rate_hz": case.rate_hz, "hemisphere": case.hemisphere or None}
         beginning = b64encode(case.content[: readers.HEAD_BYTES])
+        at = settings.model_copy(update={"hemisphere": case.place})
         try:
-            seen = preview_upload(PreviewIn.model_validate({**asked, "beginning": beginning}), None)
+            seen = previewed(PreviewIn.model_validate({**asked, "beginning": beginning}), at)
         except InvalidInput as error:
             return Verdict(_codes_of(error))
         if seen.missing:
@@ -230,7 +236,8 @@ def doors(
             "hemisphere": case.hemisphere or None,
             "accept_implausible": case.force,
         }
-        return declare(world, **declared), seen.notes
+        of_sensors = [one.sentence.partition(": ")[2] for one in seen.sensors]
+        return declare(world, **declared), [*of_sensors, *seen.notes]
 
     def command(case: Case, path: Path, capsys: Any) -> tuple[UploadIn, list[str]] | Verdict:
         said = {"rate_hz": case.rate_hz, "force": case.force, "hemisphere": case.hemisphere or None}
@@ -279,7 +286,13 @@ def test_all_doors_give_one_judgement(doors: Any, tmp_path: Path, capsys: Any, n
     judged = doors.process(case, path)
     sent = doors.page(case)
     # What both declare to the service alike is judged there alike.
-    assert doors.command(case, path, capsys) == sent
+    by_command = doors.command(case, path, capsys)
+    if isinstance(sent, Verdict):
+        assert by_command == sent
+    else:
+        assert by_command[0] == sent[0]
+        # Only the service knows where it stands, so the command says nothing of the field unless told.
+        assert [one for one in sent[1] if one not in by_command[1]] in ([], [FIELD[case.place]])
     assert (sent if isinstance(sent, Verdict) else doors.upload(case, path, *sent)) == judged
     if name in ACCEPTED:
         assert judged.refused == ()
@@ -301,6 +314,9 @@ def test_a_zip_needs_no_mapping(doors: Any, tmp_path: Path) -> None:
     case = CASES["a zip of a phone"]
     path = tmp_path / case.name
     path.write_bytes(case.content)
-    declaration, _ = doors.page(case)
+    declaration, shown = doors.page(case)
     unsaid = declaration.model_copy(update={"csv": None, "pipeline": None, "format": None})
-    assert doors.upload(case, path, unsaid, []) == doors.process(case, path)
+    uploaded, processed = doors.upload(case, path, unsaid, []), doors.process(case, path)
+    # Nobody looked at its guess before it was sent: its upload says less than a look at it does, and nothing else.
+    assert uploaded.notes < processed.notes == set(shown) | uploaded.notes
+    assert uploaded == replace(processed, notes=uploaded.notes)
