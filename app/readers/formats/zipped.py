@@ -29,7 +29,8 @@ class ZippedReader(Reader):
         from dataclasses import replace
 
         from app.readers.tables.columns import read_csv
-        from app.readers.tables.schemas import CsvMapping
+        from app.readers.tables.look.assumptions import assumed
+        from app.readers.tables.schemas import CsvMapping, GuessedMapping
         from app.readers.tables.several import Tables
 
         tables = Tables(source.path)
@@ -39,7 +40,9 @@ class ZippedReader(Reader):
         if guess.missing:
             raise RecordingFormatError(CATALOGUE.together(guess.missing))
         found = read_csv(source.path, CsvMapping.model_validate(guess.mapping), tables)
-        return replace(found, notes=tuple(dict.fromkeys((*guess.notes, *found.notes))))
+        # Nobody may have looked at the guess: what a look at it assumes is said with the recording.
+        looked = assumed(tables.head, guess, GuessedMapping.model_validate(guess.mapping), None)
+        return replace(found, notes=tuple(dict.fromkeys((*looked, *found.notes))))
 
     def announces(self, source: Source) -> tuple[tuple[str, ...], float]:
         """Return what a mapping names; without one a single sensor, until it is read."""
