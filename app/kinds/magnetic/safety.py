@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import Any, Final
 
-from sqlalchemy import select
+from sqlalchemy import bindparam, select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
@@ -42,6 +42,10 @@ WARNING: Final = say("magnetic.warning")
 NO_LONGER_CONFIRMED: Final = say("magnetic.withdrawn")
 EXPIRED: Final = say("magnetic.expired")
 NOT_CONFIRMED: Final = say("magnetic.not_confirmed")
+# Asked again and again while a source fires: a statement that is built anew leaves cycles behind.
+_WORDS: Final = select(SessionEvent).where(
+    SessionEvent.session_id == bindparam("session_id"), SessionEvent.kind.in_((EVENT, WITHDRAWN))
+)
 
 
 def confirm(
@@ -154,11 +158,7 @@ class _Word:
 
 
 def _word(session: Session, session_id: str) -> _Word:
-    events = session.scalars(
-        select(SessionEvent).where(
-            SessionEvent.session_id == session_id, SessionEvent.kind.in_((EVENT, WITHDRAWN))
-        )
-    )
+    events = session.scalars(_WORDS, {"session_id": session_id})
     word = _Word()
     for event in sorted(events, key=lambda one: str(one.details["at"])):
         at, by = datetime.fromisoformat(event.details["at"]), event.details.get("by")

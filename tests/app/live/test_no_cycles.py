@@ -17,9 +17,11 @@ from sqlalchemy import Engine
 
 from app.accounts.credentials.sign_in import create_sign_in
 from app.database.unit_of_work import read_only, unit_of_work
+from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Allowance, Limits
 from app.live.bus import MemoryBus, topic
 from app.live.manager import LiveManager
+from app.live.repository import source_refusal
 from app.live.rights.questions import RightQuestion, answers
 from app.live.warmup import FIRST, warm_up
 from app.recordings.analysis.queue import FairQueue
@@ -122,3 +124,22 @@ def test_a_minute_of_ten_sessions_leaves_nothing_to_collect(
 
     left = asyncio.run(run())
     assert left.total() < MOST, left.most_common(12)
+
+
+@pytest.mark.usefixtures("collector")
+def test_asking_whether_a_source_may_fire_leaves_nothing_to_collect(
+    engine: Engine, therapist: Any, world: Any
+) -> None:
+    wanted = {
+        "patient_id": world.patient_id,
+        "pipeline": "relative_pose",
+        "placements": ["pelvis", "sternum"],
+        "rate_hz": 120.0,
+    }
+    session_id = therapist.post("/api/sessions", json=wanted).json()["id"]
+    source_refusal(engine, session_id, CONFIRMATION_HOURS)
+    gc.collect()
+    for _ in range(20):
+        assert source_refusal(engine, session_id, CONFIRMATION_HOURS)
+    left = found()
+    assert left.total() < 20, left.most_common(12)
