@@ -72,6 +72,16 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "table.clocks_apart": "The clocks of {where:and} have no time in common: two of them were never on at once. Upload"
     " each sensor by itself, or choose one clock for all.",
     "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
+    "guess.tall": "Each row holds one value, of what {columns:and} says: the values of a sample are put side by side.",
+    "guess.tall_unsorted": "Each row holds one value, and the beginning of the table holds {values:and} only; a sensor"
+    " needs three axes of an angular rate and of an acceleration. Sort the rows by {column}, so that each sample stands"
+    " together.",
+    "guess.tall_lacks": "Each row holds one value, and the beginning of the table holds {values:and} only; a sensor"
+    " needs three axes of an angular rate and of an acceleration.",
+    "table.rows_of_no_signal": {
+        "one": "A row is left out: the beginning of the table has no {values:and} in {column}.",
+        "other": "{count:number} rows are left out: the beginning of the table has no {values:and} in {column}.",
+    },
     "guess.own_clocks": "The sensors have clocks of their own: {columns:and}. They are taken to count from one moment.",
     "table.counters_apart": "The counters of {where:and} begin at other numbers than the first one; their samples are"
     " taken to be of the time of the rows beside them.",

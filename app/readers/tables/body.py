@@ -66,12 +66,7 @@ def read_table(
         Which rows were left out: those with another number of columns, as a last one that is cut, and a head that
         stands again.
     """
-    missing = [name for name in wanted if name not in head.columns]
-    if missing:
-        shown = ", ".join(head.columns[:40])[:600]
-        raise RecordingFormatError(
-            say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
-        )
+    check_present(wanted, head)
     # Only who reads a table waits for the library to be imported.
     import pyarrow as pa
 
@@ -92,6 +87,22 @@ def read_table(
         assert refused is not None
         if again or not (again := _heads_again(path, wanted, head, text)):
             raise _in_words(refused, head) from refused
+
+
+def check_present(wanted: Collection[str], head: TableHead) -> None:
+    """Refuse a table that has not all columns that are wanted.
+
+    Raises
+    ------
+    RecordingFormatError
+        With those that are missing.
+    """
+    missing = [name for name in wanted if name not in head.columns]
+    if missing:
+        shown = ", ".join(head.columns[:40])[:600]
+        raise RecordingFormatError(
+            say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
+        )
 
 
 def _heads_again(path: Path, wanted: list[str], head: TableHead, text: Collection[str]) -> list[int]:
@@ -227,4 +238,4 @@ def _in_words(error: ValueError, head: TableHead) -> RecordingFormatError:
     return RecordingFormatError(say("table.unreadable"))
 
 
-__all__ = ["MAX_LINE_BYTES", "MAX_VALUES", "read_columns", "read_table"]
+__all__ = ["MAX_LINE_BYTES", "MAX_VALUES", "check_present", "read_columns", "read_table"]

@@ -24,6 +24,8 @@ _COMMAS_MORE: Final = 1.4
 """Times as many fields as names: most numbers, not all, have a decimal comma."""
 # The first of those that find equally many numbers is taken.
 DELIMITERS: Final = ("\t", ";", ",", "|", " ")
+_FEWEST_OF_WORDS: Final = 5
+"""Rows."""
 _COMMENT: Final = re.compile(r"^\s*(//|#|%)")
 _KEY_VALUE: Final = re.compile(r'^\s*"?[A-Za-z][^,;\t|":]*"?\s*:([\s,;|]|$)')
 _SEPARATOR: Final = re.compile(r"^\s*\"?sep\s*=\s*(.)\"?\s*$", re.IGNORECASE)
@@ -108,6 +110,8 @@ def read_head(
         raise RecordingFormatError(say("table.empty"))
     tried = [_split_all(lines, content, one) for one in ((delimiter,) if delimiter else DELIMITERS)]
     best = max(tried, key=lambda one: one.numbers)
+    if not _is_named(best):
+        best = next((one for split in tried if (one := _of_words(split)) is not None), best)
     if not best.numbers:
         # No row of numbers: the first line is taken for the header, so that something can be shown.
         best = max(tried, key=lambda one: len(one.fields[0]) if one.fields else 0)
@@ -179,6 +183,31 @@ def _split_all(lines: list[str], content: list[int], delimiter: str) -> _Split:
         if width > 1 and len(one) == width and 2 * numbers > len(filled):
             return _Split(delimiter, fields, width, index, numbers)
     return _Split(delimiter, fields, len(fields[0]) if fields else 0, min(1, len(fields)), 0)
+
+
+def _is_named(split: _Split) -> bool:
+    """Return whether a line of as many names stands straight above the first row of data."""
+    above = split.fields[split.first - 1] if split.numbers and split.first else []
+    return bool(above) and _aligned(above, split) is not None and not any(map(is_number, filter(None, above)))
+
+
+def _of_words(split: _Split) -> _Split | None:
+    """Return where rows begin that hold more words than numbers, as rows of one value do; None where none do.
+
+    Each has as many fields as the line of names above them, and numbers in the same places.
+    """
+    for index, names in enumerate(split.fields[:-_FEWEST_OF_WORDS]):
+        width = len(names)
+        if width < 3 or not all(names) or any(map(is_number, names)):
+            continue
+        rows = [one for one in split.fields[index + 1 :] if len(one) == width]
+        if 10 * len(rows) < 9 * len(split.fields[index + 1 :]):
+            continue
+        placed = [sum(is_number(row[place]) or not row[place] for row in rows) for place in range(width)]
+        numbers = sum(10 * one >= 9 * len(rows) for one in placed)
+        if 0 < numbers < width:
+            return _Split(split.delimiter, split.fields, width, index + 1, numbers)
+    return None
 
 
 def _check_commas(split: _Split) -> None:

@@ -9,6 +9,7 @@ from app.readers.contract import Source
 from app.readers.registry import reader_of, recognised
 from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
 from app.readers.tables.head import TableHead, head_of
+from app.readers.tables.tall import of_tall, tall_of
 from app.readers.tables.text import HEAD_BYTES
 
 ZIPPED: Final = "zipped"
@@ -63,6 +64,9 @@ def preview_text(
     head = head_of(start)
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
+    if reader.needs_mapping and (tall := tall_of(head)) is not None:
+        found = of_tall(tall, guess_of_head(tall.wide, stem, pipeline, rate_hz))
+        return Preview(reader.name, found.pipeline, tall.wide, found)
     found = guess_of_head(head, stem, pipeline, rate_hz)
     return Preview(reader.name, found.pipeline, head, found if reader.needs_mapping else None)
 

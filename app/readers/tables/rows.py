@@ -32,7 +32,7 @@ _FEWEST_SWITCHES: Final = 0.1
 _OVERLAP: Final = 0.5
 """Of the time of a device: while it was on, others were, too."""
 _JUMP: Final = 3.0
-_DEVICE: Final = re.compile(
+DEVICE: Final = re.compile(
     r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|unit|gerät|placement|position|location|limb|segment|side"
 )
 """What a column of devices is called."""
@@ -103,7 +103,7 @@ def devices_of_rows(
         texts = np.array(body.texts(column))
         is_mark = any(map(_NO_DEVICE.fullmatch, words))
         is_named = not is_mark and (
-            any(map(_DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
+            any(map(DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
         )
         # What nobody calls a device makes devices only where its rows take turns and do not belong together.
         if not is_named and (is_mark or not _jumps(texts, body.numbers(*signals))):
@@ -183,4 +183,4 @@ def _quantity_said(value: str) -> str:
     return found if found in _OF_SIGNALS else ""
 
 
-__all__ = ["Turns", "devices_of_rows", "kinds_of_rows"]
+__all__ = ["DEVICE", "Turns", "devices_of_rows", "kinds_of_rows"]

@@ -44,12 +44,14 @@ class Body:
     Parameters
     ----------
     head : TableHead
+    most_rows : int
+        Of them.
     """
 
-    def __init__(self, head: TableHead) -> None:
+    def __init__(self, head: TableHead, most_rows: int = _ROWS) -> None:
         # The last line may be cut.
         lines = head.body[:-1] if len(head.body) > 1 else head.body
-        self._rows = [split_line(line, head.delimiter) for line in lines[:_ROWS]]
+        self._rows = [split_line(line, head.delimiter) for line in lines[:most_rows]]
         self._places = {name: place for place, name in enumerate(head.columns)}
         self._at = np.arange(len(self._rows))
         # Of all rows, split and parsed once.

@@ -217,6 +217,17 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guess.rows_counted": "Keine Spalte ist eine Zeit: Die Zeilen folgen einander, so die Annahme, mit"
     " {rate_hz:hz}. Fehlende Zeilen fielen nicht auf.",
     "guess.devices": "Die Zeilen sind von mehreren Geräten, unterschieden durch {column}: {values:and}.",
+    "guess.tall": "Jede Zeile hat einen Wert; wovon, sagt {columns:and}. Die Werte einer Messung werden nebeneinander"
+    " gestellt.",
+    "guess.tall_unsorted": "Jede Zeile hat einen Wert, und am Anfang der Tabelle steht nur {values:and}; ein Sensor"
+    " braucht drei Achsen einer Drehrate und einer Beschleunigung. Sortieren Sie die Zeilen nach {column}, damit jede"
+    " Messung beisammen steht.",
+    "guess.tall_lacks": "Jede Zeile hat einen Wert, und am Anfang der Tabelle steht nur {values:and}; ein Sensor"
+    " braucht drei Achsen einer Drehrate und einer Beschleunigung.",
+    "table.rows_of_no_signal": {
+        "one": "Eine Zeile bleibt weg: {values:and} steht am Anfang der Tabelle nicht in {column}.",
+        "other": "{count:number} Zeilen bleiben weg: {values:and} steht am Anfang der Tabelle nicht in {column}.",
+    },
     "guess.own_clocks": "Die Sensoren haben eigene Uhren: {columns:and}. Sie zählen, so die Annahme, vom selben"
     " Moment an.",
     "guess.no_time": "Keine Spalte ist eine Zeit, und keine Zeile über der Tabelle nennt eine Rate; geben Sie"

@@ -31,6 +31,7 @@ def field_tables() -> dict[str, Odd]:
         **_apart(),
         **_marks(),
         **_losses(),
+        **_tall(),
     }
 
 
@@ -277,6 +278,20 @@ def _marks() -> dict[str, Odd]:
         "a line that toggles": marked("digital in", [str(k % 2) for k in range(ROWS)]),
         "the place in a packet": marked("slot", [str(k % 4) for k in range(ROWS)]),
         "a number of four bits": marked("seq", [str(k % 16) for k in range(ROWS)]),
+    }
+
+
+def _tall() -> dict[str, Odd]:
+    """One value a row."""
+    said = frozenset({"guess.tall"})
+    rows = rows_of(*ALL)
+    of_one_name = [[row[0], name, value] for row in rows for name, value in zip(NINE, row[1:], strict=True)]
+    apart = [[one[0], *one[1].split("_"), one[2]] for one in of_one_name]
+    return {
+        "one value a row": Odd(text(["time,channel,value"], of_one_name).encode(), notes=said),
+        "one value a row, quantity and axis apart": Odd(
+            text(["time;quantity;axis;value"], apart, ";", ",").encode(), notes=said
+        ),
     }
 
 

@@ -6,13 +6,14 @@ from typing import Any, Final
 import numpy as np
 
 from app.errors import RecordingFormatError
+from app.readers.tables.body import check_present
 from app.readers.tables.clocks.stamps import nominal_rate
 from app.readers.tables.columns import TableSensors, checked_mapping, columns_of, with_times
 from app.readers.tables.head import TableHead
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.tables.units import Body
 from app.readers.units import check_accelerometer, check_gyroscope, check_magnetometer
-from app.sentences import Sentence, say
+from app.sentences import Sentence
 from estimators.recording import Float, SensorSignals
 
 SHOWN_S: Final = 10.0
@@ -75,11 +76,7 @@ def first_seconds(head: TableHead, mapping: CsvMapping) -> FirstSeconds:
 
 def _table(head: TableHead, mapping: CsvMapping) -> dict[str, Any]:
     wanted, text = columns_of(mapping, head)
-    missing = [name for name in wanted if name not in head.columns]
-    if missing:
-        raise RecordingFormatError(
-            say("table.no_column", missing=missing[:9], present=", ".join(head.columns[:40])[:600])
-        )
+    check_present(wanted, head)
     body = Body(head)
     table: dict[str, Any] = {
         name: np.array(body.texts(name), dtype=object) if name in text else body.numbers(name)[:, 0]

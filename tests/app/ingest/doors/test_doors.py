@@ -95,6 +95,7 @@ SIX = ",".join(PLAIN.split(",")[:7])
 FAST_S = np.arange(len(TIME_S)) / 1125.0
 COUNTED = text([",".join(["Packet number", *PLAIN.split(",")[1:]])], rows_of(*ALL, time_s=100.0 * TIME_S))
 FEW = (
+    "one value a row",
     "two header lines",
     "feet by the names of columns",
     "a head that stands again",

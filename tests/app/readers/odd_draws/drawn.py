@@ -13,6 +13,12 @@ from tests.app.readers.odd_draws.texts import as_bytes
 Random = np.random.Generator
 RATES = (20.0, 25.0, 50.0, 60.0, 62.5, 64.0, 100.0, 100.0, 104.0, 120.0, 128.0, 148.148, 200.0, 256.0, 400.0)
 LOSSES = ("none", "none", "single", "holes", "both", "empty cells")
+_EACH_LOSES = (
+    "rows of devices",
+    "rows of devices and kinds",
+    "own clocks",
+    "one value a row, several sensors",
+)
 _ONE_CLOCK = ("own clocks", "own clocks of quantities")
 
 
@@ -52,7 +58,12 @@ def draw(seed: int) -> Draw:
     losses = "none" if clock == "whole seconds" else LOSSES[rng.integers(len(LOSSES))]
     if clock == "counter of 8 bits" and losses == "empty cells":
         losses = "single"
-    several = layout not in ("one sensor", "rows of kinds", "own clocks of quantities")
+    several = layout not in (
+        "one sensor",
+        "rows of kinds",
+        "own clocks of quantities",
+        "one value a row",
+    )
     count = int(rng.integers(2, 5)) if several else 1
     # Of a clock of whole seconds some ticks must be whole.
     rates = [rate for rate in RATES if rate <= 104.0 or clock != "whole seconds"]
@@ -86,7 +97,7 @@ def _sensor(
         count = 300
     begins_s = float(rng.uniform(0.0, 0.3)) * count / rate_hz if layout == "own clocks" else 0.0
     is_apart = (
-        layout in ("own clocks of quantities", "rows of kinds")
+        layout in ("own clocks of quantities", "rows of kinds", "one value a row")
         and "counter" not in clock
         # Packets hold as many samples of each.
         and clock not in ("bursts", "two clocks")
@@ -112,7 +123,7 @@ def _lose(rng: Random, sensors: list[Sensor], losses: str, layout: str) -> None:
     together: np.ndarray | None = None
     for sensor in sensors:
         there = next(iter(sensor.signals.values())).there
-        if together is None or layout in ("rows of devices", "rows of devices and kinds", "own clocks"):
+        if together is None or layout in _EACH_LOSES:
             together = _there(rng, there.size, losses)
         for signals in sensor.signals.values():
             signals.there = (

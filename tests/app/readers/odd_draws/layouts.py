@@ -188,6 +188,39 @@ def own_clocks_of_quantities(
     return _side_by_side(style, head, columns)
 
 
+def tall(rng: Random, sensors: list[Sensor], rate_hz: float, clock: str, style: Style, sign: float) -> Table:
+    """One value a row: of which signal it is stands in one column, or in one each for device, quantity and axis."""
+    order = _order(rng)
+    is_one_name, has_unit = rng.random() < 0.6, style.place == "line" or rng.random() < 0.3
+    device = ("device", "sensor_id", "node", "placement")[rng.integers(4)]
+    entries = []
+    for place, sensor in enumerate(sensors):
+        for number, (quantity, signals) in enumerate(sensor.signals.items()):
+            texts = _texts(signals, quantity, style, sign, order)
+            for at, axis in enumerate(order):
+                called = sensor.name if len(sensors) > 1 else ""
+                said = [style.name(quantity, axis, called)]
+                if not is_one_name:
+                    said = [*([called] if called else []), style.words[QUANTITIES.index(quantity)], axis]
+                    said[-2:] = [quantity if len(said[-2]) == 1 else said[-2], axis]
+                said += [style.spelt[QUANTITIES.index(quantity)]] if has_unit else []
+                entries += [
+                    (float(signals.time_s[k]), place, number, at, k, said, texts[k][at])
+                    for k in np.flatnonzero(signals.there).tolist()
+                ]
+    is_block = len(sensors) == 1 and clock in ("seconds", "milliseconds") and rng.random() < 0.2
+    entries.sort(key=lambda one: (one[2:4], one[0]) if is_block else one[:4])
+    time = _of_entries(rng, clock, rate_hz, [(one[0], one[4]) for one in entries])
+    names = [("channel", "signal", "variable", "name")[rng.integers(4)]]
+    if not is_one_name:
+        names = [*([device] if len(sensors) > 1 else []), "quantity", "axis"]
+    value = ("value", "Value", "reading", "Wert", "val")[rng.integers(5)]
+    rows = [
+        [*(column[at] for column in time.columns.values()), *one[5], one[6]] for at, one in enumerate(entries)
+    ]
+    return Table([[*time.columns, *names, *(["unit"] if has_unit else []), value]], rows, time.needs_rate)
+
+
 _STAMPED = {
     "seconds": ("time", 1.0, 5),
     "milliseconds": ("time_ms", 1e3, 2),
@@ -226,6 +259,8 @@ LAYOUTS: dict[str, Callable[..., Table]] = {
     "rows of devices": devices,
     "rows of kinds": kinds,
     "rows of devices and kinds": kinds,
+    "one value a row": tall,
+    "one value a row, several sensors": tall,
     "own clocks": own_clocks,
     "own clocks of quantities": own_clocks_of_quantities,
 }

@@ -1,139 +1,29 @@
-"""CSV with a declared mapping: which columns are what, in which unit. Checked in words."""
+"""The sensors of a table by its mapping, each on the clocks of its signals, with what its readings can be."""
 
 import math
 from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.readers.moments import as_metadata
-from app.readers.tables.body import MAX_VALUES, read_table
+from app.readers.tables.body import MAX_VALUES
 from app.readers.tables.clocks.counter import COUNT
-from app.readers.tables.clocks.of_day import CLOCK, seconds_of_clock
-from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, nominal_rate
-from app.readers.tables.guess import SINGLE
-from app.readers.tables.head import TableHead, head_of_file
+from app.readers.tables.columns.mapped import source_of
+from app.readers.tables.head import TableHead
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.tables.streams import Clock, Stream, begun, joined, share_rows, stream_of
-from app.readers.units import (
-    TO_SI,
-    UNITS,
-    check_accelerometer,
-    check_gyroscope,
-    check_magnetometer,
-    is_earths,
-)
+from app.readers.units import TO_SI, check_accelerometer, check_gyroscope, check_magnetometer, is_earths
 from app.sentences import Sentence, say
-from estimators.recording import Float, Recording, SensorSignals
-
-if TYPE_CHECKING:
-    from app.readers.tables.several import Tables
+from estimators.recording import Float, SensorSignals
 
 _COUNTED_APART: Final = 20.0
 """In samples: counters farther apart than that in rows that stand together are not of one moment."""
 _PAUSE_S: Final = 5.0
 """Without any sample for longer than this a recording paused, and its headings begin anew."""
-
-
-def read_csv(path: Path, mapping: CsvMapping, tables: "Tables | None" = None) -> Recording:
-    """Read a CSV file as declared.
-
-    Parameters
-    ----------
-    path : Path
-    mapping : CsvMapping
-    tables : Tables, optional
-        Several tables of one recording, of which the file is a zip.
-
-    Raises
-    ------
-    RecordingFormatError
-        A column is missing or not numeric, a unit cannot be right, time does not advance, or it is too long.
-    """
-    by_placement = checked_mapping(mapping)
-    head = head_of_file(path, mapping.delimiter) if tables is None else tables.head
-    wanted, text = columns_of(mapping, head)
-    table, said_of_rows = (
-        read_table(path, wanted, head, text)
-        if tables is None
-        else tables.read(wanted, text, mapping.time_unit, _clocks(mapping))
-    )
-    notes = [*said_of_rows, *with_times(mapping, table, text)]
-    recorded = _first_moment(mapping, table)
-    reader = TableSensors(mapping, table, head, is_one_table=tables is None)
-    sensors = {placement: reader.sensor(placement, by_placement[placement]) for placement in by_placement}
-    rate_hz = mapping.rate_hz or max(nominal_rate(one.time_s) for one in sensors.values())
-    return Recording(
-        reader.together(sensors, 1.0 / rate_hz),
-        rate_hz,
-        origin="CSV file",
-        metadata={"format": "csv", **recorded},
-        notes=tuple(dict.fromkeys((*notes, *reader.notes))),
-    )
-
-
-def columns_of(mapping: CsvMapping, head: TableHead) -> tuple[list[str], set[str]]:
-    """Return the columns that a mapping needs, each once, and those of them that are read as they are written.
-
-    Parameters
-    ----------
-    mapping : CsvMapping
-    head : TableHead
-
-    Raises
-    ------
-    RecordingFormatError
-        A column would be both.
-    """
-    text = {column for signal in mapping.signals for column in signal.rows}
-    clocks = _clocks(mapping)
-    if mapping.time_unit == CLOCK:
-        text |= clocks
-    wanted = [_source(name, head)[0] for signal in mapping.signals for name in signal.columns]
-    if both := sorted(text & set(wanted)):
-        raise RecordingFormatError(say("mapping.text_and_signal", columns=both))
-    return list(dict.fromkeys([*wanted, *sorted(clocks | text)])), text
-
-
-def with_times(mapping: CsvMapping, table: dict[str, Any], text: set[str]) -> list[Sentence]:
-    """Make seconds of times of day, in place, and trim other text; returns what was concluded from the times.
-
-    Parameters
-    ----------
-    mapping : CsvMapping
-    table : dict of str to ndarray
-    text : set of str
-        Columns as they are written, of `columns_of`.
-    """
-    notes: list[Sentence] = []
-    clocks = _clocks(mapping) if mapping.time_unit == CLOCK else set()
-    for clock in sorted(clocks):
-        table[clock], said = seconds_of_clock(table[clock].tolist())
-        notes += said
-    for column in text - clocks:
-        table[column] = np.array([str(value or "").strip() for value in table[column]], dtype=object)
-    return notes
-
-
-def _clocks(mapping: CsvMapping) -> set[str]:
-    return {c for one in mapping.signals if (c := one.time_column or mapping.time_column) is not None}
-
-
-def _first_moment(mapping: CsvMapping, table: dict[str, Float]) -> dict[str, str]:
-    """Return when a table says that it was recorded: its numbers count from 1970. Times of day as text have no zone."""
-    if (
-        mapping.time_unit in (CLOCK, COUNT)
-        or mapping.time_column is None
-        or mapping.time_column not in table
-        or not len(table[mapping.time_column])
-    ):
-        return {}
-    return as_metadata(float(table[mapping.time_column][0]) * UNIT_FACTORS[mapping.time_unit])
 
 
 class TableSensors:
@@ -264,14 +154,14 @@ class TableSensors:
         return {name: _at(one, at_s) for name, one in sensors.items()}
 
     def _values(self, signal: CsvColumn) -> Float:
-        sources = [_source(name, self._head) for name in signal.columns]
+        sources = [source_of(name, self._head) for name in signal.columns]
         axes = [sign * self._table[name] for name, sign in sources]
         return np.stack(axes, axis=1) * (signal.sign * TO_SI[signal.unit])
 
     def _stream(self, signal: CsvColumn, *of: CsvColumn) -> Stream:
         """Return the samples on the clock of a signal; `of`: the signals whose columns tell its rows apart."""
         column = signal.time_column or self._mapping.time_column
-        columns = list(dict.fromkeys(_source(name, self._head)[0] for one in of for name in one.columns))
+        columns = list(dict.fromkeys(source_of(name, self._head)[0] for one in of for name in one.columns))
         key = column, tuple(sorted(signal.rows.items())), tuple(columns)
         if key not in self._streams:
             there = np.ones(self._count, dtype=np.bool_)
@@ -282,64 +172,6 @@ class TableSensors:
                 self._streams[key] = stream_of(self._table, np.flatnonzero(there), clock, columns)
             self.notes += self._streams[key].notes
         return self._streams[key]
-
-
-def checked_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
-    """Return the signals of each sensor by quantity.
-
-    Raises
-    ------
-    RecordingFormatError
-        It is no mapping of whole sensors with a time; says what is missing.
-    """
-    has_clock = mapping.time_column is not None or all(one.time_column for one in mapping.signals)
-    if mapping.rate_hz is None and (not has_clock or mapping.time_unit == COUNT):
-        raise RecordingFormatError(say("mapping.no_time"))
-    if mapping.rate_hz is not None and not LOWEST_HZ <= mapping.rate_hz <= HIGHEST_HZ:
-        raise RecordingFormatError(
-            say("mapping.rate", rate_hz=mapping.rate_hz, lowest_hz=LOWEST_HZ, highest_hz=HIGHEST_HZ)
-        )
-    found: dict[str, dict[str, CsvColumn]] = {}
-    for signal in mapping.signals:
-        where = signal.placement or signal.sensor or SINGLE
-        if signal.unit not in UNITS[signal.quantity]:
-            raise RecordingFormatError(
-                say(
-                    "mapping.unit",
-                    unit=signal.unit,
-                    quantity=signal.quantity,
-                    columns=list(signal.columns),
-                    units=list(UNITS[signal.quantity]),
-                ),
-                sensor=where,
-            )
-        quantities = found.setdefault(where, {})
-        if signal.quantity in quantities:
-            raise RecordingFormatError(
-                say(
-                    "mapping.twice",
-                    where=where,
-                    quantity=signal.quantity,
-                    first=list(quantities[signal.quantity].columns),
-                    second=list(signal.columns),
-                ),
-                sensor=where,
-            )
-        quantities[signal.quantity] = signal
-    if not found:
-        raise RecordingFormatError(say("mapping.no_sensor"))
-    for placement, quantities in found.items():
-        for needed in ("gyroscope", "accelerometer"):
-            if needed not in quantities:
-                raise RecordingFormatError(
-                    say("mapping.needed", where=placement, quantity=needed),
-                    sensor=placement,
-                )
-    with_field = [p for p, quantities in found.items() if "magnetometer" in quantities]
-    if with_field and len(with_field) < len(found):
-        without = [p for p in found if p not in with_field]
-        raise RecordingFormatError(say("mapping.magnetometers", places=without))
-    return found
 
 
 def _of_nobody(mapping: CsvMapping, table: dict[str, Any]) -> list[Sentence]:
@@ -381,11 +213,4 @@ def _at(signals: SensorSignals, at_s: Float) -> SensorSignals:
     )
 
 
-def _source(name: str, head: TableHead) -> tuple[str, float]:
-    """Return the column that a name of a mapping stands for, and its sign: `-acc_z` turns one, unless it is a name."""
-    if name.startswith("-") and name not in head.columns and name[1:].strip() in head.columns:
-        return name[1:].strip(), -1.0
-    return name, 1.0
-
-
-__all__ = ["TableSensors", "checked_mapping", "columns_of", "read_csv", "with_times"]
+__all__ = ["TableSensors"]
