@@ -71,3 +71,40 @@ def test_a_level_known_from_before_holds_until_a_larger_value_shows_that_it_was_
     np.testing.assert_array_equal(later.levels, known)
     later.add(swinging(), STEP_S)
     assert np.isinf(later.levels).all()
+
+
+def machine(samples: int, sharp: float, *, cycles: int = 120) -> np.ndarray:
+    """A machine that swings to and fro about one axis, each time in the same number of samples."""
+    angle = 2.0 * np.pi * np.arange(samples * cycles) / samples
+    turning = 5.0 * np.sign(np.cos(angle)) * np.abs(np.cos(angle)) ** sharp
+    return np.stack([turning, 0.1 * np.sin(angle), 0.0 * angle], axis=-1)
+
+
+@pytest.mark.parametrize(("samples", "sharp"), [(40, 8), (50, 10), (42, 6), (100, 30), (64, 3)])
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+def test_the_peaks_of_a_machine_that_repeats_exactly_are_no_level(samples, sharp, noise):
+    turning = machine(samples, sharp)
+    turning += noise * np.random.default_rng(3).normal(size=turning.shape)
+    assert watched(turning).level is None
+
+
+@pytest.mark.parametrize("share", [0.6, 0.8])
+def test_a_machine_whose_peaks_are_cut_off_has_a_level(share):
+    cut = np.clip(machine(40, 3), -5.0 * share, 5.0 * share)
+    assert watched(cut).level == pytest.approx(5.0 * share, rel=0.01)
+
+
+@pytest.mark.parametrize("number", [0.02, 0.1, 0.3])
+def test_a_device_with_few_numbers_is_cut_off_only_where_it_stands_at_the_last_of_them(number):
+    """Eight bits, or a table in whole units: each number is a pile of its own."""
+    time_s = STEP_S * np.arange(12_000)
+    swell = 1.0 + 0.25 * np.sin(0.61 * time_s)
+    swings = np.stack([5.0 * np.sin(7.9 * time_s), 4.0 * np.cos(5.3 * time_s), np.sin(time_s)], axis=-1)
+    for values in (swings, swings * swell[:, None]):
+        assert watched(number * np.rint(values / number)).level is None
+    if number > 0.2:
+        # With fifteen numbers a swing stands long at each.
+        return
+    last = number * np.floor(4.6 / number)
+    cut = np.clip(number * np.rint(swings * swell[:, None] / number), -last, last)
+    assert watched(cut).level == pytest.approx(last, rel=0.01)
