@@ -5,20 +5,6 @@ export type Quantity = GuessedColumn['quantity'];
 export type Unit = NonNullable<GuessedColumn['unit']>;
 export type Pipeline = TablePreview['pipeline'];
 
-/** How much of a file the service is shown. */
-export const BEGINNING_BYTES = 256 * 1024;
-
-/** The beginning of a file in base64. */
-export function beginningOf(file: Blob): Promise<string> {
-  return new Promise((resolve, reject) => {
-    const reader = new FileReader();
-    // "data:text/csv;base64,...": an empty file has no comma.
-    reader.onload = () => resolve((reader.result as string).split(',')[1] ?? '');
-    reader.onerror = () => reject(reader.error ?? new Error('the file cannot be read'));
-    reader.readAsDataURL(file.slice(0, BEGINNING_BYTES));
-  });
-}
-
 /** What tells the signals of one sensor from those of another. */
 export function sensorOf(signal: GuessedColumn): string {
   return signal.placement ?? signal.sensor ?? '';

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { GuessedColumn, GuessedMapping } from '../../src/api/types';
-import { BEGINNING_BYTES, beginningOf, complete, mappingProblems, placed, signedColumn } from '../../src/lib/csv';
+import { complete, mappingProblems, placed, signedColumn } from '../../src/lib/csv';
 
 function signal(
   sensor: string,
@@ -60,14 +60,6 @@ describe('choosing a placement', () => {
       'head',
       null,
     ]);
-  });
-});
-
-describe('the beginning of a file', () => {
-  it('is sent in base64, and no more of it than is looked at', async () => {
-    expect(await beginningOf(new Blob(['t,x\n']))).toBe(btoa('t,x\n'));
-    const sent = await beginningOf(new Blob([new Uint8Array(BEGINNING_BYTES + 10).fill(255)]));
-    expect(atob(sent)).toHaveLength(BEGINNING_BYTES);
   });
 });
 

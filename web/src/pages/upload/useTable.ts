@@ -3,7 +3,8 @@ import { useMutation } from '@tanstack/react-query';
 import { useEffect, useRef, useState } from 'react';
 import { byHand } from '../../api/client';
 import type { GuessedMapping, PreviewIn, TablePreview } from '../../api/types';
-import { beginningOf, type Pipeline } from '../../lib/csv';
+import type { Pipeline } from '../../lib/csv';
+import { beginningOf } from './beginning';
 
 /** So long after the last change is it looked at again. */
 const QUIET_MS = 350;

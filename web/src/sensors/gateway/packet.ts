@@ -1,4 +1,5 @@
 // The body-network packet, version 1: values to the bytes that a gateway sends (docs/packet.md has its table and vectors).
+import { crc32 } from './crc32';
 
 export const GYROSCOPE = 1;
 export const ACCELEROMETER = 2;
@@ -27,20 +28,9 @@ export interface PacketFields {
   isBackfilled?: boolean;
 }
 
-const CRC_TABLE = new Uint32Array(256).map((_, byte) => {
-  let rest = byte;
-  for (let bit = 0; bit < 8; bit += 1) rest = rest & 1 ? (rest >>> 1) ^ 0xedb88320 : rest >>> 1;
-  return rest;
-});
-
 /** CRC-32 as in zlib, of header bytes 0 to 27 and the payload. */
 function checksum(bytes: Uint8Array): number {
-  let rest = 0xffffffff;
-  for (let at = 0; at < bytes.length; at += 1) {
-    if (at >= CRC_AT && at < HEADER_BYTES) continue;
-    rest = (CRC_TABLE[(rest ^ (bytes[at] ?? 0)) & 0xff] ?? 0) ^ (rest >>> 8);
-  }
-  return (rest ^ 0xffffffff) >>> 0;
+  return crc32(bytes, (at) => at >= CRC_AT && at < HEADER_BYTES);
 }
 
 /** The bytes of one packet. */
