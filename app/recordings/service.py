@@ -126,6 +126,8 @@ def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) 
     if mounting is None:
         return None
     stored = mounting.calibration
+    if stored.get("contradicted"):
+        return None
     if not set(placements) <= set(stored["q_sensor_segment"]):
         return None
     return Calibration(

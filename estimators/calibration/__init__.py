@@ -14,14 +14,25 @@ from estimators.calibration.field.magnetometer import (
     MagnetometerResult,
 )
 from estimators.calibration.field.turns import circle_fit
+from estimators.calibration.movement.facing import (
+    CONTRADICTED_SCORE,
+    JUDGED,
+    Postures,
+    has_impossible,
+    judged_by_movement,
+)
 from estimators.calibration.movement.functional import FunctionalResult, functional
 from estimators.calibration.movement.joint_axes import AxisEstimate
+from estimators.calibration.movement.one_way_joints import HINGES, bendings
 from estimators.calibration.movement.ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration.plausibility.finding import Finding, Hemisphere, in_words
 from estimators.calibration.plausibility.recording_check import STRETCH_S, RecordingCheck, check_recording
 from estimators.calibration.plausibility.same_signals import check_distinct, same_signals
 
 __all__ = [
+    "CONTRADICTED_SCORE",
+    "HINGES",
+    "JUDGED",
     "STRETCH_S",
     "UNUSUAL_BIAS_SCORE",
     "AxisEstimate",
@@ -39,10 +50,12 @@ __all__ = [
     "MisplacedError",
     "OrdinaryElbow",
     "PlacementFinding",
+    "Postures",
     "RecordingCheck",
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "bendings",
     "check_distinct",
     "check_mounting",
     "check_recording",
@@ -53,7 +66,9 @@ __all__ = [
     "ferraris",
     "find_positions",
     "functional",
+    "has_impossible",
     "in_words",
+    "judged_by_movement",
     "n_pose",
     "odd_fields",
     "same_signals",

@@ -39,6 +39,8 @@ class Calibration:
         One-sigma of `q_sensor_segment` about the segment's axes, against the pose as it was asked for: how well the
         sensor knew its own orientation, and how well people put it on where its heading was only assumed. How far
         a person's pose is from the one asked for is not in it. Empty where nothing is known.
+    contradicted : tuple of placement
+        Sensors whose mounting the movements that followed contradict: what they give is flagged as unknown.
     """
 
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]]
@@ -51,6 +53,7 @@ class Calibration:
     accelerometer_bias_mps2: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
     unknown_headings: tuple[Placement, ...] = ()
     mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
+    contradicted: tuple[Placement, ...] = ()
 
 
 __all__ = ["UNUSABLE_SCORE", "Calibration"]

@@ -131,15 +131,15 @@ def check_mounting(found: Calibration, previous: Calibration | None = None) -> t
     turned = {
         placement
         for placement, q in found.q_sensor_segment.items()
-        if placement not in assumed and _off_rule(placement, np.array(q)) > _TURNED_RAD
+        if placement not in assumed and abs(off_rule(placement, np.array(q)) or 0.0) > _TURNED_RAD
     }
     findings: list[PlacementFinding] = []
     for placement in [p for p in found.q_sensor_segment if p in turned]:
-        twin = _twin(placement)
-        if twin in turned and placement.endswith("left"):
-            text = say("placement.twins_swapped", where=[placement, twin])
-            findings.append(PlacementFinding("swapped_sides", (placement, twin), text))
-        elif twin not in turned:
+        other = twin(placement)
+        if other in turned and placement.endswith("left"):
+            text = say("placement.twins_swapped", where=[placement, other])
+            findings.append(PlacementFinding("swapped_sides", (placement, other), text))
+        elif other not in turned:
             text = say("placement.half_turn", where=[placement])
             findings.append(PlacementFinding("turned", (placement,), text))
     named = {p for finding in findings for p in finding.placements}
@@ -157,16 +157,20 @@ def check_mounting(found: Calibration, previous: Calibration | None = None) -> t
     return tuple(findings)
 
 
-def _off_rule(placement: Placement, q_sensor_segment: Float) -> float:
-    """Return how far the z axis of a sensor is off its outward heading while the N-pose is held."""
+def off_rule(placement: Placement, q_sensor_segment: Float) -> float | None:
+    """Return how far the z axis of a sensor is turned off its outward heading while the N-pose is held.
+
+    Counter-clockwise, rad; None where the axis is too steep to tell.
+    """
     outward = rotation.rotate(rotation.conjugate(q_sensor_segment), [0.0, 0.0, 1.0])
     outward = rotation.rotate(rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0)), outward)
     if math.hypot(outward[0], outward[1]) < _HORIZONTAL:
-        return 0.0
-    return abs(wrapped(math.atan2(outward[1], outward[0]) - OUTWARD_HEADING_RAD[placement]))
+        return None
+    return wrapped(math.atan2(outward[1], outward[0]) - OUTWARD_HEADING_RAD[placement])
 
 
-def _twin(placement: Placement) -> Placement | None:
+def twin(placement: Placement) -> Placement | None:
+    """Return the placement on the other side; None in the middle."""
     for name in OUTWARD_HEADING_RAD:
         if name != placement and name.rpartition("_")[0] == placement.rpartition("_")[0] != "":
             return name
@@ -179,4 +183,6 @@ __all__ = [
     "check_mounting",
     "check_segments",
     "check_sides",
+    "off_rule",
+    "twin",
 ]

@@ -23,6 +23,7 @@ from estimators.pipelines._run import available, concatenate, create, find_pose,
 from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
 from estimators.pipelines.arm.pipeline import ArmPipeline
 from estimators.pipelines.arm.slips import Slip, SlipSearch, in_doubt, with_slips
+from estimators.pipelines.arm.worn import WornCheck, judge_worn
 from estimators.pipelines.relative.pipeline import ModulesChunk, RelativePosePipeline
 from estimators.pipelines.relative.smoothing import smooth_modules, with_modules
 from estimators.pipelines.relative.source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
@@ -66,6 +67,7 @@ __all__ = [
     "SlipSearch",
     "SourceSettings",
     "Walk",
+    "WornCheck",
     "analyse_bursts",
     "analyse_shoes",
     "analyse_walk",
@@ -81,6 +83,7 @@ __all__ = [
     "hips_above_ankles_m",
     "in_doubt",
     "is_offline",
+    "judge_worn",
     "kind",
     "refine_elbows",
     "relative_feet",

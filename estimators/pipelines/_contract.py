@@ -104,7 +104,8 @@ def calibration_from_dict(stored: Mapping[str, Any]) -> Calibration:
     for name in ("q_sensor_segment", "gyroscope_bias_radps", "accelerometer_bias_mps2", "mounting_sigma_rad"):
         values[name] = {placement: tuple(one) for placement, one in values.get(name, {}).items()}
     values["reasons"] = tuple(CATALOGUE.restored(list(values["reasons"])))
-    values["unknown_headings"] = tuple(values.get("unknown_headings", ()))
+    for name in ("unknown_headings", "contradicted"):
+        values[name] = tuple(values.get(name, ()))
     return Calibration(**values)
 
 

@@ -12,9 +12,10 @@ from estimators.pipelines._balance import BalancePipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
-from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
+from estimators.pipelines.arm.elbows import elbow_poses, refine_elbows
 from estimators.pipelines.arm.pipeline import ArmPipeline
 from estimators.pipelines.arm.slips import find_slips, with_slips
+from estimators.pipelines.arm.worn import judge_worn
 from estimators.pipelines.relative.pipeline import RelativePosePipeline
 from estimators.pipelines.walk.pipeline import GaitPipeline
 from estimators.pipelines.walk.walk import analyse_walk
@@ -173,6 +174,9 @@ def run(
     pose: a second pass, as off-line nothing is in a hurry. Where the setup names an off-line smoother
     (`orientation.smoothers()`), the orientation of every sensor is found from the whole recording first.
 
+    Where joints then bend as no joint can, another direction of the patient is taken, or what the sensors in doubt
+    give is flagged; see `judge_worn`.
+
     Where a sensor of an arm or the trunk turned in its strap, what depends on it is flagged and its sigma holds the
     turn from there on; `SlipSearch` says which and when.
     """
@@ -193,10 +197,15 @@ def run(
     if elbows_from_movement:
         middle_s = (chunk.first_tick + 0.5 * (first + stop)) * chunk.time_step_s
         refined = refine_elbows(elbow_poses(frames), setup, middle_s)
-        if elbows_to_refine(refined) != elbows_to_refine(setup):
+        if refined is not setup:
             frames = step_through(create(refined), chunk)
         setup = refined
-    return _watched(frames, chunk, setup, (chunk.first_tick + stop) * chunk.time_step_s), setup
+    from_s = (chunk.first_tick + stop) * chunk.time_step_s
+    if setup.pipeline == ArmPipeline.name:
+        judged = judge_worn(elbow_poses(frames), setup, from_s)
+        if judged is not setup:
+            setup, frames = judged, step_through(create(judged), chunk)
+    return _watched(frames, chunk, setup, from_s), setup
 
 
 def _watched(frames: Frames, chunk: ImuChunk, setup: SessionSetup, from_s: float = 0.0) -> Frames:

@@ -6,6 +6,7 @@ from typing import Final
 from app.kinds.arm.elbows import with_elbows
 from app.kinds.arm.series import SERIES
 from app.kinds.arm.slips import SlippedLine, mounted_since_s, report_slips, slips_of
+from app.kinds.arm.worn import report_worn
 from app.recordings.analysis.heading_line import with_first_headings
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
@@ -24,7 +25,7 @@ class ArmKind(SessionKind):
     series = SERIES
 
     def analyse(self, wanted: Wanted) -> Analysis:
-        """Find the pose where the setup has no calibration, then estimate; elbows, headings, slips from all."""
+        """Find the pose where the setup has no calibration, then estimate; the rest from all."""
         context, setup, pose_s, resets = wanted.context, wanted.setup, wanted.pose_s, wanted.resets
         pieces = smoothed(context, setup)
         setup, pose_s, message = posed(setup, pose_s, pieces, search=wanted.search_pose)
@@ -34,7 +35,12 @@ class ArmKind(SessionKind):
             setup, resets = with_first_headings(setup, resets, pieces)
         resets = resets if setup.calibration is not None else ()
         from_s = mounted_since_s(context, wanted.resets) if pose_s is None else pose_s[1]
-        slips = slips_of(setup, resets, pieces, from_s)
+        slips, poses = slips_of(setup, resets, pieces, from_s)
+        judged = setup if poses is None else pipelines.judge_worn(poses, setup, from_s)
+        report_worn(context, judged, from_s)
+        if judged is not setup:
+            setup = judged
+            slips, _ = slips_of(setup, resets, pieces, from_s)
         line = SlippedLine(pipelines.create(setup), resets, slips)
         found = estimated(context, line, pieces, message=message, progress_from=wanted.progress_from)
         report_slips(context, slips)

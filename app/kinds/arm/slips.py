@@ -46,8 +46,8 @@ class SlippedLine(HeadingLine):
 
 def slips_of(
     setup: SessionSetup, resets: Sequence[HeadingReset], pieces: Iterable[ImuChunk], from_s: float
-) -> tuple[Slip, ...]:
-    """Go through a session once and return its slips, earliest first.
+) -> tuple[tuple[Slip, ...], Frames | None]:
+    """Go through a session once and return its slips, earliest first, and its postures.
 
     Parameters
     ----------
@@ -57,15 +57,24 @@ def slips_of(
         The whole session, as its result will be estimated.
     from_s : float
         Session time from which the sensors are worn as they were calibrated.
+
+    Returns
+    -------
+    slips : tuple of Slip
+    postures : Frames or None
+        As `estimators.pipelines.elbow_poses` thins them; None without a calibration or samples.
     """
     if setup.calibration is None or not setup.calibration.q_sensor_segment:
-        return ()
+        return (), None
     line, search = HeadingLine(pipelines.create(setup), resets), SlipSearch(setup, from_s)
+    thinned: list[Frames] = []
     for piece in pieces:
         for frames in line.step(piece):
             first = frames.first_tick - piece.first_tick
             search.add(frames, piece.ticks(first, first + frames.tick_count))
-    return search.finish()
+            if (poses := pipelines.elbow_poses(frames)).tick_count:
+                thinned.append(poses)
+    return search.finish(), pipelines.concatenate(thinned) if thinned else None
 
 
 def mounted_since_s(context: JobContext, resets: Sequence[HeadingReset]) -> float:

@@ -1,5 +1,6 @@
 """The part of a live session that is calibrated: guided steps, what comes of them, what is remembered."""
 
+import asyncio
 from abc import abstractmethod
 from dataclasses import replace
 from functools import partial
@@ -10,14 +11,15 @@ from app.live.calibration.calibrating import CalibrationDesk
 from app.live.calibration.collectors import Outcome
 from app.live.calibration.device_rows import save_device_calibrations
 from app.live.calibration.messages import CalibrationIn, CalibrationKind, CalibrationMessage
+from app.live.checks.worn_watch import WornWatch
 from app.live.messages import LayoutMessage
 from app.live.session.book import SessionBook
 from app.live.session.estimation import EstimationLine
 from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
 from app.sentences import CATALOGUE, say
-from estimators.calibration import Hemisphere
-from estimators.pipelines import Pipeline
+from estimators.calibration import JUDGED, Calibration, Hemisphere
+from estimators.pipelines import ArmPipeline, Frames, Pipeline
 
 
 class CalibratedSession(SessionBook):
@@ -26,6 +28,8 @@ class CalibratedSession(SessionBook):
     line: EstimationLine
     stored: repository.StoredSession
     result_id: str
+    _worn: WornWatch | None
+    _loop: asyncio.AbstractEventLoop
 
     @property
     @abstractmethod
@@ -115,10 +119,39 @@ class CalibratedSession(SessionBook):
             self.machine.reason = text
             self._publish_state()
 
-    def _calibrated(self, found: Outcome, kind: CalibrationKind) -> None:
+    def _watch_worn(self, frames: Frames, pipeline: Pipeline) -> None:
+        """Let movements judge the standing pose, until the sensors may be taken off."""
+        if self._worn is None or self.recording_end_s is not None or self._calibration.is_active:
+            return
+        known = pipeline.setup.calibration
+        found = self._worn.add(frames, known)
+        if found is not None:
+            self.line.call(partial(self._put_in_force, pipeline, known, found))
+
+    def _put_in_force(self, pipeline: Pipeline, known: Calibration | None, found: Calibration) -> None:
+        """Run in the thread of the estimation line."""
+        if isinstance(pipeline, ArmPipeline) and pipeline.setup.calibration is known:
+            pipeline.adopt(found)
+            self._loop.call_soon_threadsafe(self._judged, found)
+
+    def _judged(self, found: Calibration) -> None:
+        """Tell what movements said of the pose; what they only contradict, the analysis judges once more."""
+        if not found.contradicted:
+            self._save_calibration()
+        reasons = [one for one in found.reasons if getattr(one, "code", "") in JUDGED]
+        for reason in reasons:
+            self.add_event("calibration_checked", self.session_time_s, text=reason)
+        self.machine.reason = CATALOGUE.together(reasons)
+        self._publish_state()
+
+    def _save_calibration(self) -> None:
         setup = self.pipeline.setup
         self.stored = replace(self.stored, setup=setup.to_dict())
         self._saver.save(partial(repository.save_calibration, self._engine, self.id, self.result_id, setup))
+
+    def _calibrated(self, found: Outcome, kind: CalibrationKind) -> None:
+        self._save_calibration()
+        setup = self.pipeline.setup
         if found.devices:
             serials = self.declaration.serial_of
             self._saver.save(

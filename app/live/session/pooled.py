@@ -173,6 +173,7 @@ class PooledSession(CalibratedSession):
         if chunk is not None:
             self._tell_changes(chunk)
         self._watch_forces(frames)
+        self._watch_worn(frames, self.now.pipeline)
         self._first_seconds.seen(frames.first_tick, frames.first_tick + ticks)
 
     def store_frames(self, frames: Frames) -> None:

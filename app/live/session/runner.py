@@ -20,6 +20,7 @@ from app.live.checks.first_seconds import ALL_SESSIONS, FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.plausibility import Check, check
 from app.live.checks.stray_source import StraySource
+from app.live.checks.worn_watch import WornWatch
 from app.live.engine.lane import Parts
 from app.live.guidance.desk import GuidanceDesk
 from app.live.messages import HealthMessage, LayoutMessage, StateMessage
@@ -110,6 +111,7 @@ class LiveSession(PooledSession):
         self._stray = StraySource(tell)
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
+        self._worn = WornWatch.of(pipeline)
         self._first_seconds = FirstSeconds(
             declaration.placements,
             declaration.time_step_s,
@@ -204,6 +206,7 @@ class LiveSession(PooledSession):
         self.now.health.set_flags(frames.layout.segments, frames.segment_flags)
         self._tell_changes(chunk)
         self._watch_forces(frames)
+        self._watch_worn(frames, self.now.pipeline)
         if self._calibration.is_active:
             self._calibration.add(chunk)
         self._first_seconds.add(chunk)

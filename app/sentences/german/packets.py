@@ -98,6 +98,32 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "place.upper_arm_right": "Oberarm rechts",
     "placement.arms_swapped": "Die Sensoren des linken und des rechten Arms sind vertauscht. Jeden an seinen"
     " Platz setzen und wiederholen.",
+    "placement.back_to_front": "{where:place}: Der Sensor saß verkehrt herum (vorn und hinten vertauscht). Mit"
+    " seiner Richtung hätten sich Gelenke falsch herum gebeugt; um eine halbe Drehung gewendet sind alle möglich,"
+    " und so ist dieses Ergebnis gerechnet.",
+    "placement.faced_away": "{where:place}: Der Sensor zeigte {angle_rad:deg} von der angenommenen Richtung weg."
+    " Die Blickrichtung wurde daraus bestimmt, wie sich die Gelenke beugten, auf etwa {sigma_rad:deg}. Eine"
+    " Kalibrierung durch Bewegung misst sie.",
+    "placement.elbow_impossible": "Ellbogen {side:side}: Er zeigte {angle_rad:deg}, das ist nicht möglich. Entweder"
+    " hing der Arm in der Kalibrierhaltung nicht gestreckt (zum Beispiel im Sitzen mit gebeugten Ellbogen), oder"
+    " ein Sensor sitzt verkehrt herum: {where:place}. Die Winkel dieses Arms werden nicht angegeben. Kalibrieren"
+    " Sie erneut im Stehen mit hängenden Armen oder durch Bewegung.",
+    "placement.knee_impossible": "Knie {side:side}: Es zeigte {angle_rad:deg}, das ist nicht möglich. Entweder war"
+    " das Bein in der Kalibrierhaltung nicht gestreckt (zum Beispiel im Sitzen), oder ein Sensor sitzt verkehrt"
+    " herum: {where:place}. Die Winkel dieses Beins werden nicht angegeben. Kalibrieren Sie erneut im aufrechten"
+    " Stehen.",
+    "placement.arm_behind": "Arm {side:side}: Er schien sich hinter den Rücken oder durch den Rumpf zu heben, das"
+    " ist nicht möglich. Entweder sitzt ein Sensor verkehrt herum, oder Sensoren beider Seiten sind vertauscht:"
+    " {where:place}. Die Winkel dieses Arms werden nicht angegeben. Prüfen Sie die Sensoren, und kalibrieren Sie"
+    " erneut.",
+    "placement.arm_unclear": "Arm {side:side}: Nach dem Beugen des Ellbogens sitzt ein Sensor um {angle_rad:deg}"
+    " anders, als er angelegt werden soll, oder der Arm hing in der Kalibrierhaltung nicht gestreckt:"
+    " {where:place}. Die Winkel dieses Arms werden nicht angegeben. Legen Sie die Sensoren mit der bedruckten Seite"
+    " nach außen an, und kalibrieren Sie erneut im Stehen mit hängenden Armen oder durch Bewegung.",
+    "placement.bent_aside": "Seite {side:side}: Ein Gelenk schien sich {angle_rad:deg} neben der Richtung zu"
+    " beugen, in die es sich beugen kann. Vielleicht zeigt die bedruckte Seite eines Sensors nicht nach außen:"
+    " {where:place}. Die Winkel dieses Arms oder Beins werden nicht angegeben. Prüfen Sie die Sensoren, und"
+    " kalibrieren Sie erneut oder durch Bewegung.",
     "placement.half_turn": "{where:place}: Der Sensor ist um eine halbe Drehung verdreht, die bedruckte Seite"
     " zum Körper. Die Kalibrierung berücksichtigt das, aber prüfen Sie, ob es der richtige Sensor ist.",
     "placement.half_turn_since": "{where:place}: Der Sensor ist seit dem letzten Mal um eine halbe Drehung"

@@ -31,6 +31,9 @@ _MEMORY_HZ = 5.0
 """Orientation remembered for a calibration pose: a still pose needs no more."""
 _NO_VARIANCE = np.empty((0, 3))
 _UNCALIBRATED = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
+_CONTRADICTED = np.uint8(_UNCALIBRATED | OrientationFlag.INVALID)
+_CONTRADICTED_RAD = np.pi / np.sqrt(3.0)
+"""Sigma of a direction of which nothing is known."""
 
 
 def _text(calibration: Calibration | None) -> NDArray[np.uint8]:
@@ -367,6 +370,8 @@ class BodyNetwork:
             self._q_room_earth[s] = rotation.about_z(turn_rad)
             self._q_sensor_segment[s] = rotation.normalize(found.q_sensor_segment[name])
             self._mounting_variance[s] = np.square(found.mounting_sigma_rad.get(name, (0.0, 0.0, 0.0)))
+            if name in found.contradicted:
+                self._mounting_variance[s], self._more_flags[s] = _CONTRADICTED_RAD**2, _CONTRADICTED
         if not self._mounting_variance.any():
             self._mounting_variance = _NO_VARIANCE
 

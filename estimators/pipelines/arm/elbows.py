@@ -7,16 +7,19 @@ from typing import Final
 import numpy as np
 
 from estimators import rotation
-from estimators.calibration import OrdinaryElbow, elbow_from_movement
+from estimators.calibration import CONTRADICTED_SCORE, OrdinaryElbow, bendings, elbow_from_movement
 from estimators.conventions import SIDES, Placement, Side
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
+from estimators.pipelines.arm.worn import postures_of
 from estimators.recording import Float
 from estimators.sentences import say
 
 WORST_SIGMA_RAD: Final = math.radians(12.0)
 """Known worse than this, the mounting rule, which people keep to about ten degrees, stands."""
+_MOST_RAD: Final = math.radians(115.0)
+"""A sensor that seems turned further may be back to front, or the elbow was bent in the pose: nobody can tell."""
 
 _RATE_HZ: Final = 10.0
 """What the elbow tells takes so many poses a second; an hour of them is small."""
@@ -42,7 +45,7 @@ def elbow_poses(frames: Frames) -> Frames:
 def elbows_to_refine(setup: SessionSetup) -> tuple[Side, ...]:
     """Return the arms whose mounting a standing pose left to the mounting rule, for want of compasses."""
     found = setup.calibration
-    if found is None or "pose" not in found.method or "elbows" in found.method:
+    if found is None or "pose" not in found.method or "elbows" in found.method or found.contradicted:
         return ()
     return tuple(
         side
@@ -69,16 +72,21 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         With a corrected calibration, whose reasons say how well it is known, and elbows and wrists bounding what
         drifts afterwards. The mounting rule stands, and the reasons say so, where the elbows were hardly bent or
         tell it worse than to `WORST_SIGMA_RAD`; the same setup where no arm has sensors on upper arm and forearm
-        without a compass, or movements have shown the mounting already.
+        without a compass, or movements have shown the mounting already. An arm of which a sensor seems turned by more
+        than about a quarter of a turn is named in `contradicted`.
     """
     found = setup.calibration
     if found is None:
         return setup
     mounted, offsets = dict(found.q_sensor_segment), dict(found.heading_offset_rad)
-    reasons = list(found.reasons)
+    reasons, doubted = list(found.reasons), set[Placement]()
+    backward = _bent_backward(frames, pose_s)
     for side in elbows_to_refine(setup):
         upper: Placement = "upper_arm_left" if side == "left" else "upper_arm_right"
         fore: Placement = "forearm_left" if side == "left" else "forearm_right"
+        if side in backward:
+            # Which the mounting rule, judged afterwards, does not survive.
+            continue
         columns = [frames.layout.segments.index(p) for p in (upper, fore)]
         lost = (frames.segment_flags[:, columns] & int(OrientationFlag.INVALID)) != 0
         try:
@@ -96,8 +104,13 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         if elbow.sigma_rad > WORST_SIGMA_RAD:
             reasons.append(say("calibration.elbow_uncertain", side=side, sigma_rad=elbow.sigma_rad))
             continue
-        reasons.append(say("calibration.elbow_measured", side=side, sigma_rad=elbow.sigma_rad))
         turned = _turn_at(elbow, pose_s)
+        furthest = max(abs(elbow.upper_turn_rad), abs(turned))
+        if furthest > _MOST_RAD:
+            doubted |= {upper, fore, *(p for p in setup.placements if p == f"hand_{side}")}
+            reasons.append(say("placement.arm_unclear", side=side, angle_rad=furthest, where=[upper, fore]))
+            continue
+        reasons.append(say("calibration.elbow_measured", side=side, sigma_rad=elbow.sigma_rad))
         # The hand's sensor was put on with the forearm's, and the wrist does not turn: it takes the turn along.
         hand: Placement = "hand_left" if side == "left" else "hand_right"
         for placement, turn, correction in (
@@ -107,19 +120,27 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         ):
             offsets[placement] = math.remainder(offsets[placement] + turn, 2.0 * math.pi)
             mounted[placement] = _corrected(mounted[placement], correction)
+    if tuple(reasons) == found.reasons:
+        return setup
+    contradicted = tuple(p for p in setup.placements if p in doubted)
+    score = min(found.score, CONTRADICTED_SCORE) if doubted else found.score
+    found = replace(found, reasons=tuple(reasons), contradicted=contradicted, score=score)
     if offsets == found.heading_offset_rad:
-        stated = tuple(reasons)
-        return (
-            setup if stated == found.reasons else replace(setup, calibration=replace(found, reasons=stated))
-        )
-    refined = replace(
-        found,
-        q_sensor_segment=mounted,
-        heading_offset_rad=offsets,
-        method=f"{found.method}, elbows",
-        reasons=tuple(reasons),
-    )
+        return replace(setup, calibration=found)
+    method = f"{found.method}, elbows"
+    refined = replace(found, q_sensor_segment=mounted, heading_offset_rad=offsets, method=method)
     return replace(setup, calibration=refined, constrain_joint_headings=True)
+
+
+def _bent_backward(frames: Frames, pose_s: float) -> set[Side]:
+    """Return the arms whose elbows bent backward: no sensor by a quarter of a turn off the rule does that."""
+    given = postures_of(frames, pose_s)
+    bent = bendings(given.names, given.q_room_segment, given.step_s)
+    return {
+        one.hinge.side
+        for one in bent
+        if one.hinge.joint == "elbow" and one.is_wrong and abs(one.mean_rad) > _MOST_RAD
+    }
 
 
 def _turn_at(elbow: OrdinaryElbow, time_s: float) -> float:

@@ -200,6 +200,11 @@ class ArmPipeline(NetworkPipeline):
         self._begin_anew()
         return found
 
+    def adopt(self, found: Calibration) -> None:
+        """Take over what movements left of the calibration in force; it holds from the next step."""
+        self._network.adopt(found, None)
+        self._begin_anew()
+
     def set_devices(self, devices: Mapping[Placement, DeviceCalibration]) -> None:
         """Take calibrations made in the hand; see the contract."""
         self._network.set_devices(devices)

@@ -112,6 +112,28 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " calibration allows for it, but check that it is the right sensor.",
     "placement.half_turn_since": "{where:place}: the sensor is turned by half a turn since last time. That is"
     " allowed, but check that it is the right sensor.",
+    "placement.back_to_front": "{where:place}: the sensor was worn back to front. With the direction that it gave,"
+    " joints would have bent the wrong way; with half a turn all of them are possible, and this result has it so.",
+    "placement.faced_away": "{where:place}: the sensor faced {angle_rad:deg} off the direction that was assumed."
+    " Where the patient faced is taken from how the joints bent, to about {sigma_rad:deg}. Calibrate by movement to"
+    " measure it.",
+    "placement.elbow_impossible": "The {side:side} elbow read {angle_rad:deg}, which is not possible. Either the"
+    " arm did not hang straight in the calibration pose (elbows bent while seated, for instance), or a sensor is"
+    " back to front: {where:place}. The angles of this arm are not given. Calibrate again standing with hanging"
+    " arms, or by movement.",
+    "placement.knee_impossible": "The {side:side} knee read {angle_rad:deg}, which is not possible. Either the leg"
+    " was not straight in the calibration pose (the patient sat, for instance), or a sensor is back to front:"
+    " {where:place}. The angles of this leg are not given. Calibrate again standing upright.",
+    "placement.arm_behind": "The {side:side} arm seemed to rise behind the back or through the trunk, which is not"
+    " possible. Either a sensor is back to front, or sensors of both sides are swapped: {where:place}. The angles"
+    " of this arm are not given. Check the sensors, then calibrate again.",
+    "placement.arm_unclear": "{side:side} arm: bending the elbow says that a sensor sits {angle_rad:deg} off how it"
+    " should be put on, or that the arm did not hang straight in the calibration pose: {where:place}. The angles of"
+    " this arm are not given. Put the sensors on with the printed side outward, and calibrate again standing with"
+    " hanging arms, or by movement.",
+    "placement.bent_aside": "A joint of the {side:side} side seemed to bend {angle_rad:deg} off the way it can. A"
+    " sensor's printed side may not face outward: {where:place}. The angles of this limb are not given. Check the"
+    " sensors, then calibrate again, or by movement.",
     "placement.moved_since": "{where:place}: the sensor sits {angle_rad:deg} off its position of last time.",
 }
 

@@ -35,6 +35,7 @@ const SHOWN_EVENTS = new Set([
   'mark',
   'error',
   'calibration',
+  'calibration_checked',
   'implausible',
   'not_practised',
   'cue',

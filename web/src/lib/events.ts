@@ -11,3 +11,7 @@ export function eventText(event: SessionEvent): string {
     return `${placementLabel(placement)}: ${text.slice(placement.length + 2)}`;
   return tOr(`sessionState.${text}`, text);
 }
+
+/** Whether it says that sensors sat otherwise than was assumed, so that it belongs beside every number. */
+export const isAboutSensors = (event: SessionEvent): boolean =>
+  event.kind === 'sensor_slipped' || event.kind === 'calibration_checked';

@@ -2,6 +2,7 @@ import type { MeasureValue, ProgressMeasure } from '../../api/types';
 import { PaperProgress } from '../../charts/PaperChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
+import { isAboutSensors } from '../../lib/events';
 import { dateTime, duration, quantity, uncertain, withUnit } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
 import { repetitionsText, reportRows } from '../../lib/assessment/report';
@@ -86,13 +87,11 @@ export function SummarySheet(props: ReportProps) {
         )}
       </dl>
       <Headline value={mainValue} measure={main} sessionId={session.id} />
-      {session.events
-        .filter((event) => event.kind === 'sensor_slipped')
-        .map((event) => (
-          <p key={event.time_s} className="strong">
-            {event.text}
-          </p>
-        ))}
+      {session.events.filter(isAboutSensors).map((event) => (
+        <p key={`${event.kind} ${event.time_s} ${event.text}`} className="strong">
+          {event.text}
+        </p>
+      ))}
       {comparison && comparison.findings.length > 0 && (
         <>
           <h3>{t('report.findings')}</h3>

@@ -161,6 +161,7 @@ export const session: Translated<typeof english> = {
   'event.forces_lost': 'Kraftsignal eines Schuhs verloren',
   'event.forces_back': 'Kraftsignal eines Schuhs wieder da',
   'event.calibration': 'Kalibrierung',
+  'event.calibration_checked': 'Kalibrierung durch die Bewegungen geprüft',
   'event.device_calibration': 'Ein Sensor wurde in der Hand kalibriert',
   'event.error': 'Fehler',
   'event.repetition': 'Wiederholung',

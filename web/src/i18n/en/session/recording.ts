@@ -157,6 +157,7 @@ export const session = {
   'event.forces_lost': 'Force signal of a shoe lost',
   'event.forces_back': 'Force signal of a shoe is back',
   'event.calibration': 'Calibration',
+  'event.calibration_checked': 'Calibration checked by the movements',
   'event.device_calibration': 'A sensor was calibrated in the hand',
   'event.error': 'Error',
   'event.repetition': 'Repetition',

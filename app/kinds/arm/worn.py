@@ -1,0 +1,43 @@
+"""What the movements of a stored session said of its standing pose, on the time line."""
+
+from typing import Final
+
+from sqlalchemy import delete
+
+from app.database.unit_of_work import unit_of_work
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.models import SessionEvent
+from estimators.calibration import JUDGED
+from estimators.pipelines import SessionSetup
+
+EVENT: Final = "calibration_checked"
+
+
+def report_worn(context: JobContext, setup: SessionSetup, at_s: float) -> None:
+    """Put what was found on the time line in place of what an earlier analysis found.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        Judged.
+    at_s : float
+        Session time of the end of the pose.
+    """
+    reasons = () if setup.calibration is None else setup.calibration.reasons
+    with unit_of_work(context.engine) as session:
+        session.execute(
+            delete(SessionEvent).where(
+                SessionEvent.session_id == context.session_id, SessionEvent.kind == EVENT
+            )
+        )
+        for reason in reasons:
+            if getattr(reason, "code", "") in JUDGED:
+                session.add(
+                    SessionEvent(
+                        session_id=context.session_id, kind=EVENT, time_s=max(0.0, at_s), text=reason
+                    )
+                )
+
+
+__all__ = ["EVENT", "report_worn"]
