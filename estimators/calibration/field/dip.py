@@ -17,6 +17,8 @@ from estimators.recording import Float
 _LEAST_TURNED: Final = 0.03
 """Share of a turn about the axis that was turned about least: less says nothing about iron along it."""
 _LEAST_WINDOWS: Final = 3
+_MOST_WINDOWS: Final = 100
+"""With so many it is known; a session goes on for hours."""
 _AGREE: Final = 0.8
 
 
@@ -36,6 +38,8 @@ class Dip:
 
     def add(self, rate: Float, force: Float, field: Float, time_step_s: float) -> None:
         """Take a stretch of a gyroscope in rad/s, specific force and field, each shape (N, 3)."""
+        if len(self._windows) >= _MOST_WINDOWS:
+            return
         rate, step_s = slowed(rate, time_step_s)
         force, field = slowed(force, time_step_s)[0], slowed(field, time_step_s)[0]
         size, length = calm_size(force, step_s), round(WINDOW_S / step_s)

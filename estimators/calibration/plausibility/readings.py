@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from estimators._clipping import LEAST_FORCE_RANGE_MPS2, LEAST_RATE_RANGE_RADPS, ClipWatch
 from estimators.calibration.field.dip import Dip
 from estimators.calibration.plausibility.contradiction import HOP, WINDOW_S, Evidence, gather
+from estimators.calibration.plausibility.even_sample import EvenSample
+from estimators.calibration.plausibility.mistakes import SIGNED_PERMUTATIONS
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gravity import calm_size
 from estimators.recording import Float
@@ -22,6 +24,8 @@ _EVEN_RADPS, _EVEN_SHARE = 0.05, 0.05
 _FEWEST: Final = 3
 _WHITE: Final = 0.6
 """Noise of a device is less alike from sample to sample than this; a tremor goes on."""
+_APART: Final = SIGNED_PERMUTATIONS - np.eye(3)
+_APART_PRODUCTS: Final = _APART.transpose(0, 2, 1) @ _APART
 
 
 class Readings:
@@ -45,18 +49,18 @@ class Readings:
         self.evidence = Evidence.nothing()
         self.tail: Float | None = None
         self.dip = Dip()
-        self.calm: list[float] = []
-        self.shaken: list[float] = []
-        self.fastest: list[float] = []
-        self.turns: list[Float] = []
-        """Of each stretch the mean of rate times rate, shape (3, 3), (rad/s)^2: about which axes it turned."""
-        self.resting_radps: list[tuple[float, float]] = []
+        # A live session goes on for hours: of its stretches nothing is held that grows.
+        self.calm = EvenSample()
+        self.shaken_mps2 = self.fastest_radps = 0.0
+        """The most of any stretch: of the force beside gravity, and of the turn."""
+        self._moved = np.zeros(len(SIGNED_PERMUTATIONS))
+        self.resting_radps = EvenSample(2)
         """Of each stretch what the gyroscope reads where the force stands still, and its noise there."""
-        self.resting_mps2: list[float] = []
+        self.resting_mps2 = EvenSample()
         """Of each stretch the size of the force where the sensor lies still."""
-        self.field_t: list[float] = []
-        self.field_spread: list[float] = []
-        self.still_products: list[Float] = []
+        self.field_t = EvenSample()
+        self.field_spread = EvenSample()
+        self._still_products, self._still_count = np.zeros((3, 3)), 0
         rate, force = (None, None) if clip_levels is None else clip_levels
         self.rate_clips = ClipWatch(LEAST_RATE_RANGE_RADPS, is_rate=True, known=rate)
         self.force_clips = ClipWatch(LEAST_FORCE_RANGE_MPS2, is_rate=False, known=force)
@@ -85,20 +89,31 @@ class Readings:
             return
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
-        self.turns.append(rate[sound].T @ rate[sound] / int(sound.sum()))
+        about = rate[sound].T @ rate[sound] / int(sound.sum())
+        np.maximum(self._moved, np.einsum("kij,ij->k", _APART_PRODUCTS, about), out=self._moved)
         calm = calm_size(force, step_s)
         if not math.isfinite(calm):
             return
-        self.calm.append(calm)
+        self.calm.add(calm)
         # Over gravity as the device reads it: its unit may be wrong.
         shaken = float(np.percentile(np.abs(size - np.median(size)), 99.0)) / max(calm, 1e-300)
-        self.shaken.append(shaken * GRAVITY_MPS2)
-        self.fastest.append(float(np.percentile(turning, 99.0)))
-        self._rest(rate, force, field, step_s)
+        self.shaken_mps2 = max(self.shaken_mps2, shaken * GRAVITY_MPS2)
+        fastest = float(np.percentile(turning, 99.0))
+        self.fastest_radps = max(self.fastest_radps, fastest)
+        self._rest(rate, force, field, step_s, fastest)
         if field is not None:
             strength = np.linalg.norm(field[np.isfinite(field).all(axis=1)], axis=1)
-            self.field_t.append(float(np.median(strength)))
-            self.field_spread.append(float(np.std(strength)) / max(float(np.median(strength)), 1e-300))
+            self.field_t.add(float(np.median(strength)))
+            self.field_spread.add(float(np.std(strength)) / max(float(np.median(strength)), 1e-300))
+
+    @property
+    def still_product(self) -> Float | None:
+        """Mean of up times the field where the sensor lay still, as directions, shape (3, 3); None if it never did."""
+        return self._still_products / self._still_count if self._still_count else None
+
+    def moved(self, mapping: Float) -> float:
+        """Return how much a signed permutation changes the rate: the largest mean square of a stretch, (rad/s)^2."""
+        return float(self._moved[(mapping == SIGNED_PERMUTATIONS).all(axis=(1, 2))][0])
 
     def add_freezes(self, lost: NDArray[np.bool_] | None, step_s: float) -> None:
         """Take which samples of a stretch lost their field alone, None for none; one freeze may go on from the last."""
@@ -131,7 +146,7 @@ class Readings:
             changing = self.changing.setdefault(triad, np.zeros(3, dtype=np.bool_))
             changing |= (finite != first).any(axis=0)
 
-    def _rest(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
+    def _rest(self, rate: Float, force: Float, field: Float | None, step_s: float, fastest: float) -> None:
         """Note what is read where the force stands still."""
         width = max(2, round(_RESTING_S / step_s))
         parts = len(force) // width
@@ -144,12 +159,12 @@ class Readings:
         still &= np.isfinite(turning).all(axis=(1, 2))
         if not still.any():
             return
-        self.resting_radps.append(_at_rest(turning[still]))
+        self.resting_radps.add(*_at_rest(turning[still]))
         # On a circle at even pace the force stands still in the sensor as well, and is not gravity.
-        most = max(_LYING_RADPS, _LYING_SHARE * self.fastest[-1])
+        most = max(_LYING_RADPS, _LYING_SHARE * fastest)
         still &= np.linalg.norm(turning.mean(axis=1), axis=1) < most
         if still.any():
-            self.resting_mps2.append(float(np.median(size[still])))
+            self.resting_mps2.add(float(np.median(size[still])))
         if field is None:
             return
         means = field[: parts * width].reshape(parts, width, 3).mean(axis=1)[still]
@@ -157,7 +172,8 @@ class Readings:
         if sound.any():
             up = pieces.mean(axis=1)[still][sound]
             up, means = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (up, means[sound]))
-            self.still_products.append(np.einsum("ni,nj->ij", up, means) / len(up))
+            self._still_products += np.einsum("ni,nj->ij", up, means) / len(up)
+            self._still_count += 1
 
 
 def _at_rest(turning: Float) -> tuple[float, float]:

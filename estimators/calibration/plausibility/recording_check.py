@@ -186,7 +186,7 @@ class _Verdict:
         is_rate_alive = self._rate_channels()
         is_field_alive = self._field()
         self._clips()
-        explanation = explain(self.readings.evidence, max(self.readings.fastest, default=0.0))
+        explanation = explain(self.readings.evidence, self.readings.fastest_radps)
         if is_rate_alive:
             self._unit_of_rate(explanation)
             is_of_axes = explanation is not None and explanation.scale == 1.0
@@ -217,7 +217,7 @@ class _Verdict:
         # Where nothing lies still the calmest moments are taken: they tell another unit, not some per cent.
         seen, is_at_rest = self.readings.resting_mps2, bool(self.readings.resting_mps2)
         seen = seen if is_at_rest else self.readings.calm
-        size = float(np.median(seen)) if seen else GRAVITY_MPS2
+        size = float(seen.median()[0]) if seen else GRAVITY_MPS2
         factor = max(size, 1e-300) / GRAVITY_MPS2
         factor = max(factor, 1.0 / factor)
         if factor <= _GRAVITY_NEAR or (factor <= _GRAVITY_SURE and not is_at_rest):
@@ -256,8 +256,8 @@ class _Verdict:
             self._tell("gyroscope_clipped", message, level, "warning")
 
     def _unit_of_rate(self, explanation: Explanation | None) -> None:
-        where, fastest = [self.name], max(self.readings.fastest, default=0.0)
-        shaken = max(self.readings.shaken, default=0.0)
+        where, fastest = [self.name], self.readings.fastest_radps
+        shaken = self.readings.shaken_mps2
         scale = 1.0 if explanation is None else explanation.scale
         is_certain = explanation is not None and explanation.is_certain
         fits = explanation is not None and explanation.fits and explanation.is_clear
@@ -276,7 +276,7 @@ class _Verdict:
             message = say("readings.gyroscope_too_calm", where=where, rate_radps=fastest, force_mps2=shaken)
             self._tell("gyroscope_unit", message, fastest, "warning")
         elif self.readings.resting_radps and not self.readings.evidence.windows.any():
-            rest, spread = np.median(self.readings.resting_radps, axis=0)
+            rest, spread = self.readings.resting_radps.median()
             if (rate := float(max(rest, spread))) > _REST_RATE_RADPS:
                 # It may be turning about the vertical, or tremble.
                 message = say("readings.gyroscope_restless", where=where, rate_radps=rate)
@@ -297,9 +297,7 @@ class _Verdict:
         if "gyroscope" not in explanation.triads:
             # Of these only the turn shows, whatever the sign of all axes.
             proper = proper * np.sign(np.linalg.det(proper))
-        apart = proper - np.eye(3)
-        moved = [float(np.trace(apart @ turn @ apart.T)) for turn in self.readings.turns]
-        return max(moved, default=0.0) > _OFFSET_RADPS**2
+        return self.readings.moved(proper) > _OFFSET_RADPS**2
 
     def _axes(self, explanation: Explanation, hemisphere: Hemisphere) -> None:
         triads, mapping, where = explanation.triads, explanation.mapping, [self.name]
@@ -342,8 +340,8 @@ class _Verdict:
 
     def _signed(self, mapping: Float, triad: str, hemisphere: Hemisphere) -> Float:
         """Return the mapping or its negative: that with which the field points down, else that of fewer changes."""
-        if self.readings.still_products and hemisphere != "unknown":
-            product = np.mean(self.readings.still_products, axis=0)
+        product = self.readings.still_product
+        if product is not None and hemisphere != "unknown":
             product = mapping @ product if triad == "accelerometer" else product @ mapping.T
             down = -float(np.trace(product)) * (1.0 if hemisphere == "north" else -1.0)
             if abs(down) > _LEAST_DIP_SINE:
@@ -353,7 +351,7 @@ class _Verdict:
     def _field(self) -> bool:
         if not self.readings.field_t:
             return False
-        where, middle = [self.name], float(np.median(self.readings.field_t))
+        where, middle = [self.name], float(self.readings.field_t.median()[0])
         if middle == 0.0 or self._is_constant("magnetometer").all():
             message = (
                 say("readings.magnetometer_constant", where=where)
@@ -366,7 +364,7 @@ class _Verdict:
             message = say("readings.magnetometer_frozen", where=where, lasts_s=lasts_s)
             self._tell("magnetometer_frozen", message, lasts_s, "warning")
         if _FIELD_RANGE_T[0] <= middle <= _FIELD_RANGE_T[1]:
-            if (share := float(np.median(self.readings.field_spread))) > _DISTURBED:
+            if (share := float(self.readings.field_spread.median()[0])) > _DISTURBED:
                 message = say("readings.field_varies", where=where, share=share)
                 self._tell("magnetic_disturbance", message, share, "warning")
             return True
@@ -389,12 +387,9 @@ class _Verdict:
         if any(f.code.endswith("_axes") or f.code == "gyroscope_unit" for f in self.found):
             return
         down, severity = self.readings.dip.sine(), "refuse"
-        if math.isnan(down) and self.readings.still_products:
+        if math.isnan(down) and (product := self.readings.still_product) is not None:
             # At rest nothing separates the field of the room from that of iron on the sensor.
-            down, severity = (
-                -float(np.mean([np.trace(product) for product in self.readings.still_products])),
-                "warning",
-            )
+            down, severity = -float(np.trace(product)), "warning"
         if hemisphere == "south":
             down = -down
         if down < -_LEAST_DIP_SINE:

@@ -341,6 +341,19 @@ def test_an_interrupted_check_is_small_and_goes_on_like_one_that_was_not(sound):
     assert pickle.dumps(interrupted) == pickle.dumps(whole)
 
 
+def test_what_is_known_of_a_session_of_hours_takes_no_more_room_than_of_twenty_minutes(sound):
+    """Live sessions are looked at every twelve seconds, and each hands what it knows to another process."""
+    check, stretch, sizes = RecordingCheck(ARM), sound.ticks(300, 500), []
+    rng = np.random.default_rng(4)
+    for number in range(480):
+        # Peaks of the same size would look like the end of the range and are held for it, up to a bound.
+        rate = stretch.gyroscope_radps * rng.uniform(0.8, 1.0)
+        check.add(replace(stretch, gyroscope_radps=rate, first_tick=number * stretch.tick_count))
+        if number in (99, 479):
+            sizes.append(len(pickle.dumps(check)))
+    assert sizes[1] <= 1.1 * sizes[0], "2.6 times while each stretch left its numbers in lists"
+
+
 def test_a_freeze_lasts_as_long_as_the_longest_not_as_all_of_them(sound):
     first = busiest(sound, 1, 300, 600)
     (whole,) = check_recording(with_freezes(sound, 1, (first, first + 300)), ARM)

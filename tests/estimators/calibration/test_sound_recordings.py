@@ -44,7 +44,7 @@ def explained(chunk: ImuChunk) -> Explanation | None:
     check = RecordingCheck(["hand_left"], "unknown")
     check.add(chunk)
     (sensor,) = check._sensors
-    return explain(sensor.evidence, max(sensor.fastest))
+    return explain(sensor.evidence, sensor.fastest_radps)
 
 
 @pytest.mark.parametrize("seed", [3, 34, 56])
