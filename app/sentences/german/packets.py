@@ -120,6 +120,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " anders, als er angelegt werden soll, oder der Arm hing in der Kalibrierhaltung nicht gestreckt:"
     " {where:place}. Die Winkel dieses Arms werden nicht angegeben. Legen Sie die Sensoren mit der bedruckten Seite"
     " nach außen an, und kalibrieren Sie erneut im Stehen mit hängenden Armen oder durch Bewegung.",
+    "placement.trunk_backward": "{where:place}: Der Rumpf schien sich von den hängenden Armen weiter nach hinten zu"
+    " neigen, als Schultern es zulassen. Der Sensor sitzt wahrscheinlich verkehrt herum. Die Winkel von Rumpf und"
+    " Schultern werden nicht angegeben. Drehen Sie die bedruckte Seite nach vorn, und kalibrieren Sie erneut.",
     "placement.bent_aside": "Seite {side:side}: Ein Gelenk schien sich {angle_rad:deg} neben der Richtung zu"
     " beugen, in die es sich beugen kann. Vielleicht zeigt die bedruckte Seite eines Sensors nicht nach außen:"
     " {where:place}. Die Winkel dieses Arms oder Beins werden nicht angegeben. Prüfen Sie die Sensoren, und"

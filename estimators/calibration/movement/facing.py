@@ -37,6 +37,7 @@ JUDGED: Final = (
     "placement.arm_behind",
     "placement.bent_aside",
     "placement.arm_unclear",
+    "placement.trunk_backward",
 )
 """Codes of the reasons that movements give against a standing pose."""
 
@@ -236,10 +237,17 @@ def _contradicted(found: Calibration, seen: _Seen, shared: Sequence[Placement]) 
     for one in (*seen.wrong_joints, *aside):
         reasons.append(_objection(one, one in aside, _suspects(found, shared, one.hinge.upper)))
         doubted |= _limb(one.hinge.upper, found)
+    trunk: Placement = "sternum" if "sternum" in found.q_sensor_segment else "pelvis"
+    if any(arm.is_of_trunk for arm in seen.wrong_arms):
+        reasons.append(say("placement.trunk_backward", where=[trunk]))
+        doubted.add(trunk)
     for arm in seen.wrong_arms:
+        if arm.is_of_trunk:
+            continue
         upper: Placement = "upper_arm_left" if arm.side == "left" else "upper_arm_right"
         if not _limb(upper, found) & doubted:
-            reasons.append(say("placement.arm_behind", side=arm.side, where=_suspects(found, shared, upper)))
+            where = [trunk, *(one for one in _suspects(found, shared, upper) if one != trunk)]
+            reasons.append(say("placement.arm_behind", side=arm.side, where=where))
         doubted |= _limb(upper, found)
     if doubted & set(shared) and not _witnesses(found, shared, math.pi)[1]:
         # Nothing but the sensor in doubt says where the patient faced.

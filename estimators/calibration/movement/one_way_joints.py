@@ -22,6 +22,7 @@ _BACKWARD_RAD: Final = math.radians(95.0)
 _AROUND_RAD: Final = math.radians(45.0)
 _RAISED_RAD: Final = (math.radians(65.0), math.radians(140.0))
 """An upper arm goes back to 60 degrees; raised higher than the other, its direction tells little."""
+_HANGING_RAD: Final = math.radians(65.0)
 _ACROSS_RAD: Final = math.radians(80.0)
 _BEHIND_RAD: Final = math.radians(-130.0)
 """A raised right arm lies between these directions in the trunk, 0 forward and +90 degrees left."""
@@ -125,16 +126,24 @@ class Raising:
         How long it was raised above the height to which it can go back.
     wrong_s : float
         Of that, how long it pointed behind the back or through the trunk.
+    hanging_s : float
+        Of that, how long it hung down in the room: then the trunk leaned.
     """
 
     side: Side
     raised_s: float
     wrong_s: float
+    hanging_s: float
 
     @property
     def is_wrong(self) -> bool:
         """Whether it was where it cannot be, long and often enough."""
         return self.wrong_s >= max(LEAST_S, LEAST_SHARE * self.raised_s)
+
+    @property
+    def is_of_trunk(self) -> bool:
+        """Whether rather the trunk than the arm was where it cannot be."""
+        return self.is_wrong and self.hanging_s > 0.5 * self.wrong_s
 
 
 def bent(hinge: Hinge, q_upper: Float, q_lower: Float, step_s: float) -> Bending:
@@ -162,27 +171,31 @@ def bent(hinge: Hinge, q_upper: Float, q_lower: Float, step_s: float) -> Bending
     return Bending(hinge, bent_s, wrong_s, bend[is_bent], direction[is_bent])
 
 
-def raised(side: Side, q_trunk: Float | None, q_upper: Float, step_s: float) -> Raising:
+def raised(side: Side, q_trunk: Float, q_upper: Float, step_s: float) -> Raising:
     """Return where an upper arm was raised to.
 
     Parameters
     ----------
     side : Side
-    q_trunk : ndarray, shape (N, 4), or None
-        None where no trunk is worn: the room, faced as in the pose.
-    q_upper : ndarray, shape (N, 4)
+    q_trunk, q_upper : ndarray, shape (N, 4)
+        Segments in one frame, z up, NaN where unknown.
     step_s : float
+        Between samples.
     """
-    arm = rotation.rotate(q_upper, _DOWN)
-    if q_trunk is not None:
-        arm = rotation.rotate(rotation.conjugate(q_trunk), arm)
-    arm = arm[np.isfinite(arm).all(axis=1)]
+    in_room = rotation.rotate(q_upper, _DOWN)
+    arm = rotation.rotate(rotation.conjugate(q_trunk), in_room)
+    known = np.isfinite(arm).all(axis=1)
+    arm, in_room = arm[known], in_room[known]
     elevation = np.arccos(np.clip(-arm[:, 2], -1.0, 1.0))
     across = arm[:, 1] if side == "right" else -arm[:, 1]
     direction = np.arctan2(across, arm[:, 0])
     is_raised = (elevation > _RAISED_RAD[0]) & (elevation < _RAISED_RAD[1])
     wrong = is_raised & ((direction > _ACROSS_RAD) | (direction < _BEHIND_RAD))
-    return Raising(side, step_s * float(np.count_nonzero(is_raised)), step_s * float(np.count_nonzero(wrong)))
+    hanging = wrong & (-in_room[:, 2] > math.cos(_HANGING_RAD))
+    raised_s, wrong_s, hanging_s = (
+        step_s * float(np.count_nonzero(one)) for one in (is_raised, wrong, hanging)
+    )
+    return Raising(side, raised_s, wrong_s, hanging_s)
 
 
 def bendings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tuple[Bending, ...]:
@@ -197,10 +210,13 @@ def bendings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tupl
 
 
 def raisings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tuple[Raising, ...]:
-    """Return where every worn upper arm was raised to, seen from the sternum where that is worn."""
-    trunk = q_room_segment[:, names.index("sternum")] if "sternum" in names else None
+    """Return where every worn upper arm was raised to, seen from the trunk; empty where none is worn: people turn."""
+    trunk = next((name for name in ("sternum", "pelvis") if name in names), None)
+    if trunk is None:
+        return ()
+    q_trunk = q_room_segment[:, names.index(trunk)]
     return tuple(
-        raised(side, trunk, q_room_segment[:, names.index(f"upper_arm_{side}")], step_s)
+        raised(side, q_trunk, q_room_segment[:, names.index(f"upper_arm_{side}")], step_s)
         for side in SIDES
         if f"upper_arm_{side}" in names
     )

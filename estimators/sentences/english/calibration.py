@@ -131,6 +131,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " should be put on, or that the arm did not hang straight in the calibration pose: {where:place}. The angles of"
     " this arm are not given. Put the sensors on with the printed side outward, and calibrate again standing with"
     " hanging arms, or by movement.",
+    "placement.trunk_backward": "{where:place}: the trunk seemed to lean back from the hanging arms further than"
+    " shoulders can. The sensor is probably back to front. The angles of trunk and shoulders are not given. Turn"
+    " its printed side forward, then calibrate again.",
     "placement.bent_aside": "A joint of the {side:side} side seemed to bend {angle_rad:deg} off the way it can. A"
     " sensor's printed side may not face outward: {where:place}. The angles of this limb are not given. Check the"
     " sensors, then calibrate again, or by movement.",

@@ -148,6 +148,35 @@ def test_a_sensor_without_compass_is_doubted_and_never_turned() -> None:
     assert found.facing_rad == known.facing_rad
 
 
+def test_a_person_who_turns_round_is_not_accused() -> None:
+    true = moves(BOTH)
+    turned = rotation.multiply(
+        rotation.about_z(np.linspace(0.0, 4.0 * np.pi, len(true.q_room_segment)))[:, None],
+        true.q_room_segment,
+    )
+    for names in (BOTH, BOTH[1:]):
+        columns = [BOTH.index(name) for name in names]
+        known = by_pose(names)
+        assert judged_by_movement(known, Postures(names, turned[:, columns], STEP_S)) is known
+
+
+def test_a_chest_sensor_without_compass_is_doubted_by_a_deep_bow() -> None:
+    """As in a real recording of a person who sits down: the arms hang, and the trunk seems to lean back."""
+    bow = np.radians(75.0) * (0.5 - 0.5 * np.cos(np.arange(0.0, 60.0, STEP_S)))
+    nothing = np.zeros_like(bow)
+    trunk = rotation.exp(np.stack([nothing, bow, nothing], axis=1))
+    hanging = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (len(bow), 4))
+    elbow = elbow_from_angles(nothing + 0.1, nothing, nothing + 1.4, "right")
+    known = replace(by_pose(RIGHT), heading_offset_rad=dict.fromkeys(RIGHT, 0.0))
+    sound = Postures(RIGHT, np.stack([trunk, hanging, elbow], axis=1), STEP_S)
+    assert judged_by_movement(known, sound) is known
+    q = sound.q_room_segment.copy()
+    q[:, 0] = misread(q[:, 0], math.pi)
+    found = judged_by_movement(known, replace(sound, q_room_segment=q))
+    assert codes(found.reasons) == ["placement.trunk_backward"]
+    assert found.contradicted == ("sternum",)
+
+
 def test_what_movements_measured_is_left_alone() -> None:
     known = replace(by_pose(RIGHT, math.pi), method="functional")
     assert judged_by_movement(known, seen(moves(RIGHT), math.pi)) is known
