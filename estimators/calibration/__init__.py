@@ -23,7 +23,7 @@ from estimators.calibration.movement.facing import (
 )
 from estimators.calibration.movement.functional import FunctionalResult, functional
 from estimators.calibration.movement.joint_axes import AxisEstimate
-from estimators.calibration.movement.one_way_joints import HINGES, bendings
+from estimators.calibration.movement.one_way_joints import HINGES, bendings, raisings
 from estimators.calibration.movement.ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration.plausibility.finding import Finding, Hemisphere, in_words
 from estimators.calibration.plausibility.recording_check import STRETCH_S, RecordingCheck, check_recording
@@ -71,6 +71,7 @@ __all__ = [
     "judged_by_movement",
     "n_pose",
     "odd_fields",
+    "raisings",
     "same_signals",
     "static_bias",
     "unusual_bias",

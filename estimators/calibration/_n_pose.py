@@ -35,6 +35,8 @@ _NORM_FAULT = 0.15
 _DISAGREEMENT_RAD = math.radians(40.0)
 _CONCURRING_RAD = math.radians(15.0)
 _AGREEMENT = 0.9
+_CLOSE_AGREEMENT = 0.97
+"""Of two, within 14 degrees of their mean."""
 _ARM = ("upper_arm", "forearm", "hand")
 _WITNESSES = 3
 _SETTLED_RAD = (math.radians(0.7), math.radians(0.7), math.radians(2.3))
@@ -323,12 +325,13 @@ def _judge_agreement(
         for s, p in enumerate(placements)
         if p != reference and not own_heading[s] and steepness_rad[s] <= _SLANTED_RAD
     ]
-    if len(implied) < _WITNESSES:
+    if len(implied) < 2:
         return
+    agreement = _AGREEMENT if len(implied) >= _WITNESSES else _CLOSE_AGREEMENT
     mean = complex(np.mean(np.exp(1j * np.array(implied))))
     away_rad = abs(wrapped(math.atan2(mean.imag, mean.real) - facing_rad))
     # Sensors mounted any way round do not agree with each other; only a common opinion counts.
-    if abs(mean) > _AGREEMENT and away_rad > _DISAGREEMENT_RAD:
+    if abs(mean) > agreement and away_rad > _DISAGREEMENT_RAD:
         verdict.lower(0.7, say("calibration.faces_away", where=[reference], angle_rad=away_rad))
 
 

@@ -27,6 +27,8 @@ _STILL_WRONG: Final = 0.03
 _WITNESS_RAD: Final = math.radians(30.0)
 _ON_THE_BACK: Final = ("head", "pelvis")
 """Worn in front or on the back: their printed sides are no witnesses."""
+_HINT: Final = "calibration.faces_away"
+"""What the pose alone said of the same."""
 CONTRADICTED_SCORE: Final = 0.3
 """In force, because the segments are shown; its angles are not to be used."""
 JUDGED: Final = (
@@ -225,7 +227,7 @@ def _turned(found: Calibration, shared: Sequence[Placement], turn_rad: float) ->
         facing_rad=wrapped(found.facing_rad + turn_rad),
         heading_offset_rad={p: wrapped(turn + turn_rad) for p, turn in found.heading_offset_rad.items()},
         method=f"{found.method}, facing",
-        reasons=(*found.reasons, reason),
+        reasons=(*(one for one in found.reasons if getattr(one, "code", "") != _HINT), reason),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from estimators import rotation
-from estimators.calibration import CONTRADICTED_SCORE, OrdinaryElbow, bendings, elbow_from_movement
+from estimators.calibration import CONTRADICTED_SCORE, OrdinaryElbow, bendings, elbow_from_movement, raisings
 from estimators.conventions import SIDES, Placement, Side
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
@@ -80,7 +80,7 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         return setup
     mounted, offsets = dict(found.q_sensor_segment), dict(found.heading_offset_rad)
     reasons, doubted = list(found.reasons), set[Placement]()
-    backward = _bent_backward(frames, pose_s)
+    backward = _went_backward(frames, pose_s)
     for side in elbows_to_refine(setup):
         upper: Placement = "upper_arm_left" if side == "left" else "upper_arm_right"
         fore: Placement = "forearm_left" if side == "left" else "forearm_right"
@@ -132,15 +132,13 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
     return replace(setup, calibration=refined, constrain_joint_headings=True)
 
 
-def _bent_backward(frames: Frames, pose_s: float) -> set[Side]:
-    """Return the arms whose elbows bent backward: no sensor by a quarter of a turn off the rule does that."""
+def _went_backward(frames: Frames, pose_s: float) -> set[Side]:
+    """Return the arms whose elbow bent backward or that rose behind the back: more than the elbow can correct."""
     given = postures_of(frames, pose_s)
-    bent = bendings(given.names, given.q_room_segment, given.step_s)
-    return {
-        one.hinge.side
-        for one in bent
-        if one.hinge.joint == "elbow" and one.is_wrong and abs(one.mean_rad) > _MOST_RAD
-    }
+    shown = given.names, given.q_room_segment, given.step_s
+    elbows = [one for one in bendings(*shown) if one.hinge.joint == "elbow" and one.is_wrong]
+    arms = [one for one in raisings(*shown) if one.is_wrong and not one.is_of_trunk]
+    return {one.hinge.side for one in elbows if abs(one.mean_rad) > _MOST_RAD} | {one.side for one in arms}
 
 
 def _turn_at(elbow: OrdinaryElbow, time_s: float) -> float:

@@ -268,6 +268,20 @@ def test_sternum_turned_against_all_others_is_told():
     assert told.parameters["angle_rad"] == pytest.approx(2.0, abs=0.01)
 
 
+@pytest.mark.parametrize(("off_rad", "is_said"), [(np.pi, True), (0.3, False)])
+def test_two_that_agree_closely_are_witnesses_against_the_sternum(off_rad, is_said):
+    pose = Pose(("sternum", "upper_arm_right", "forearm_right"), noise=0.0, arbitrary=False)
+    headings = np.array([off_rad, 0.05, -0.05])[:, None, None]
+    rule = [by_the_rule(p, 0.0, 0.0) for p in pose.placements]
+    pose.q = rotation.multiply(
+        rotation.about_z(headings[..., 0]), np.repeat(np.stack(rule)[:, None], SAMPLES, axis=1)
+    )
+    up = rotation.rotate(rotation.conjugate(pose.q[:, 0]), [0.0, 0.0, GRAVITY_MPS2])
+    pose.accelerometer = np.repeat(up[:, None], SAMPLES, axis=1)
+    said = [one.code for one in pose.calibrate().reasons]
+    assert ("calibration.faces_away" in said) == is_said
+
+
 def test_many_faults_together_are_refused():
     pose = Pose()
     pose.flags |= int(OrientationFlag.MAGNETIC_DISTURBANCE) | int(OrientationFlag.CONVERGING)
