@@ -14,7 +14,7 @@ from app.readers.tables.clocks.mended import spaced, usual_interval
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import is_orientation, placement_of, side_of
 from app.readers.tables.rows import devices_of_rows, kinds_of_rows
-from app.readers.tables.streams import joined
+from app.readers.tables.streams import joined, share_rows
 from app.readers.tables.triples import Triple, of_devices, of_kinds, triples_of, whole_sensors
 from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
 from app.sentences import Sentence, say
@@ -147,8 +147,9 @@ def _with_unit(
             return None
     else:
         force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
-        if (force.rows, force.clock) == (one.rows, one.clock):
-            unit = gyroscope_unit(values, mine.numbers(*force.columns), time.step_s)
+        forces = mine.numbers(*force.columns)
+        if (force.rows, force.clock) == (one.rows, one.clock) and share_rows(values, forces):
+            unit = gyroscope_unit(values, forces, time.step_s)
         else:
             at_s, values = _in_time(mine, one, time)
             forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
@@ -167,6 +168,8 @@ def _in_time(body: Body, one: Triple, time: TimeGuess) -> tuple[Float, Float]:
     """Return the rows of a signal in the order of their time, s, and that."""
     column = one.clock or time.column
     at_s = np.arange(float(len(body))) if column is None else body.seconds(column, time.unit, time.rate_hz)
+    # Rows of another quantity are none of its own.
+    at_s[~np.isfinite(body.numbers(*one.columns)).any(axis=1)] = np.nan
     order = np.argsort(at_s, kind="stable")[: int(np.isfinite(at_s).sum())]
     # Samples that arrived together get times of their own, as when the table is read.
     return spaced(at_s[order])[0], body.numbers(*one.columns)[order]

@@ -20,6 +20,8 @@ _NEAR, _NEAR_SHARE = 20.0, 0.02
 """In steps, and of its length: so near to its ends is a clock seen that lost a few samples there."""
 _MOST_NEAR: Final = 0.25
 """Of its length, for clocks of few steps."""
+_HOLE, _HOLE_SHARE = 100.0, 0.08
+"""In steps, and of its length: samples that are lost where a clock runs over its end."""
 _BACK: Final = 0.9
 """Of a wrap: so far ahead is a row that came late and not one that follows."""
 
@@ -91,6 +93,10 @@ def _between(before: float, after: float, usual: float, sizes: tuple[float, ...]
     for size in sizes:
         near = min(max(_NEAR * usual, _NEAR_SHARE * size), _MOST_NEAR * size)
         if size - near <= before < size and after <= near:
+            return size
+        # Over its end in a hole; a clock that was started again begins at its zero.
+        hole = size - before + after
+        if before < size and 2.0 * usual < after and hole <= min(_HOLE * usual, _HOLE_SHARE * size):
             return size
     return None
 

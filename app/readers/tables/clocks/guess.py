@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from app.readers.tables.clocks.counter import COUNT, unwrapped
+from app.readers.tables.clocks.counter import COUNT, gone_on, unwrapped
 from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.clocks.of_day import CLOCK
 from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
@@ -225,7 +225,8 @@ def _of_stamps(clock: _Stamps, said_hz: float | None, left: Sequence[str] = ()) 
 def _stamps(body: Body, column: str, said_hz: float | None, *, is_named: bool) -> _Stamps | None:
     """Return a column of numbers that rise as time does; None where it is none."""
     values = body.numbers(column)[:, 0]
-    values = values[np.isfinite(values)]
+    # Where it ran over its end early, most of its rows stand behind that.
+    values = gone_on(values[np.isfinite(values)])
     steps = np.diff(values)
     if steps.size < 1 or not (steps >= 0).mean() > 0.5 or not (steps > 0).any():
         return None

@@ -27,11 +27,15 @@ _ALIKE: Final = 0.1
 """Of the interval: packets that differ by less are whole."""
 _LOST: Final = 0.75
 """Of a sample: where a packet has so much less than fits into its time, one is missing."""
+_HOLE: Final = 1.5
+"""Times what a packet takes: packets that are farther apart have a hole between them."""
 _FEW_PAUSES: Final = 200
 """Of so many steps one may be a pause, which says nothing of the rate."""
 BREAK_S: Final = 1.0
 """Between two stretches of a clock that started again: how long the pause was is not known, but too long to bridge."""
 _MOST_SHARE: Final = 0.1
+_EACH_TWICE: Final = 0.45
+"""Of the rows that share a stamp repeat the one before, where each was written twice."""
 _LATE_S: Final = 1.0
 """Rows that lie behind for longer than this are a clock that was set back, not packets that came late."""
 
@@ -94,8 +98,11 @@ def mended(column: Float, factor: float, values: Float | None = None) -> MendedT
         same = (values[rows[1:]] == values[rows[:-1]]) | (
             np.isnan(values[rows[1:]]) & np.isnan(values[rows[:-1]])
         )
-        twice[1:] = (np.diff(time) == 0) & same.all(axis=1)
-        if twice.any():
+        still = np.diff(time) == 0
+        twice[1:] = still & same.all(axis=1)
+        # A sensor repeats its values now and then: within a stamp of many samples that is no row written twice.
+        is_chance = still.mean() > 0.5 and twice[1:][still].mean() < _EACH_TWICE
+        if twice.any() and not is_chance:
             notes.append(say("time.row_twice", count=int(twice.sum())))
             rows, time = rows[~twice], time[~twice]
     if column.size - rows.size > _MOST_SHARE * column.size:
@@ -200,6 +207,16 @@ def _spread(time_s: Float, starts: NDArray[np.intp], length: NDArray[np.intp]) -
         # The recording began within a tick of its clock: what there is of it stands before the next one.
         each[0] = usual
         first[0] = first[1] - length[0] * usual
+    if starts.size > 2:
+        # Behind a hole a packet that lacks samples lacks its first ones: the rest ends where the next one begins.
+        usual_s = float(np.median(length)) * usual
+        gap_s = np.diff(time_s[starts])
+        late = 1 + np.flatnonzero(
+            (gap_s[:-1] > _HOLE * usual_s)
+            & (length[1:-1] < np.median(length))
+            & (np.abs(gap_s[1:] - usual_s) < _LOST * usual)
+        )
+        first[late] = time_s[starts][late + 1] - length[late] * usual
     place = np.arange(time_s.size) - np.repeat(starts, length)
     return np.asarray(np.repeat(first, length) + place * np.repeat(each, length))
 

@@ -18,7 +18,15 @@ from app.readers.tables.body import check_present, read_table
 from app.readers.tables.guess import Guess
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, words_of
-from app.readers.tables.tall.samples import Order, of_a_sample, order_of, places, side_by_side
+from app.readers.tables.tall.samples import (
+    Order,
+    is_cycle,
+    of_a_sample,
+    order_of,
+    places,
+    share_stamps,
+    side_by_side,
+)
 from app.readers.tables.tall.signals import (
     MOST_NAMES,
     MOST_ROWS,
@@ -30,6 +38,7 @@ from app.readers.tables.tall.signals import (
     value_column,
     with_devices,
 )
+from app.readers.tables.triples import triples_of
 from app.readers.tables.units import Body
 from app.sentences import Sentence, say
 
@@ -65,6 +74,19 @@ class Tall:
     signals: tuple[tuple[str, ...], ...]
     wide: TableHead
 
+    @property
+    def called(self) -> list[str]:
+        """What the columns of the signals are called."""
+        has_unit = bool(UNIT & set(words_of(self.names[-1])))
+        return [_name(one, has_unit=has_unit) for one in self.signals]
+
+    @property
+    def quantities(self) -> NDArray[np.intp]:
+        """Of each signal of which sensor's quantity it is an axis; those of none are one of their own."""
+        called = self.called
+        of = {column: at for at, one in enumerate(triples_of(tuple(called))) for column in one.columns}
+        return np.array([of.get(column, -1) for column in called], dtype=np.intp)
+
     def read(
         self, path: Path, wanted: list[str], text: Collection[str]
     ) -> tuple[dict[str, NDArray[Any]], tuple[Sentence, ...]]:
@@ -88,11 +110,11 @@ class Tall:
         notes = (*notes, *_said_of_others(self, called, signal))
         there = signal >= 0
         stamps = None if self.clock is None else table[self.clock][there]
-        place = places(signal[there], stamps, self.order)
+        place = places(signal[there], stamps, self.order, self.quantities)
         found = side_by_side(
             signal[there], place, table[self.value][there], {name: table[name][there] for name in beside}
         )
-        columns = {name: at for at, name in enumerate(self.wide.columns[-len(self.signals) :])}
+        columns = {name: at for at, name in enumerate(self.called)}
         return {name: found[columns.get(name, name)] for name in wanted}, notes
 
 
@@ -117,23 +139,25 @@ def tall_of(head: TableHead) -> Tall | None:
     clock = clock_of(head, body, texts, names, value)
     names = with_devices(head, texts, names, [clock, value, unit])
     called = called_by(texts, names, unit)
+    chosen = (*names, *([unit] if unit else []))
     # A row that names nothing, or a head that stands again, is of no signal.
-    first = [one for one in dict.fromkeys(called) if any(one) and one != (*names, *([unit] if unit else []))]
+    first = [one for one in dict.fromkeys(called) if any(one) and one != chosen]
     if len(first) > MOST_NAMES:
         return None
-    chosen = (*names, *([unit] if unit else []))
-    rows = np.array([one in first for one in called], dtype=np.bool_)
-    called = [one for one, stays in zip(called, rows.tolist(), strict=True) if stays]
+    at = {one: number for number, one in enumerate(first)}
+    rows = np.array([one in at for one in called], dtype=np.bool_)
+    called = [one for one in called if one in at]
     texts = {column: one[rows] for column, one in texts.items()}
     stamps = None if clock is None else texts[clock]
-    found = Tall(head, chosen, value, clock, "stamps", tuple(first), head)
-    signal = np.array([first.index(one) for one in called])
+    signal = np.array([at[one] for one in called])
     if (order := order_of(signal, stamps)) == "turns":
         first = of_a_sample(signal, first)
-        signal = np.array([first.index(one) for one in called])
-    return replace(
-        found, order=order, signals=tuple(first), wide=_wide(head, found, first, signal, order, texts)
-    )
+        at = {one: number for number, one in enumerate(first)}
+        signal = np.array([at[one] for one in called])
+        # A stamp of several samples does not say which of two rates belong together.
+        order = "turns" if is_cycle(signal) and not share_stamps(stamps) else "apart"
+    found = Tall(head, chosen, value, clock, order, tuple(first), head)
+    return replace(found, wide=_wide(found, signal, texts))
 
 
 def of_tall(tall: Tall, guess: Guess) -> Guess:
@@ -158,33 +182,25 @@ def of_tall(tall: Tall, guess: Guess) -> Guess:
     return replace(guess, notes=(note, *guess.notes), missing=(lacks, *others))
 
 
-def _wide(
-    head: TableHead,
-    tall: Tall,
-    signals: list[tuple[str, ...]],
-    signal: NDArray[np.intp],
-    order: Order,
-    texts: dict[str, NDArray[Any]],
-) -> TableHead:
+def _wide(tall: Tall, signal: NDArray[np.intp], texts: dict[str, NDArray[Any]]) -> TableHead:
     """Return the head of the table with a row for each sample, as far as it was looked at."""
+    head = tall.raw
     beside = [column for column in head.columns if column not in (*tall.names, tall.value)]
     stamps = None if tall.clock is None else texts[tall.clock].astype(object)
-    place = places(signal, stamps, order)
+    place = places(signal, stamps, tall.order, tall.quantities)
     values = texts[tall.value].astype(object)
     found = side_by_side(signal, place, values, {name: texts[name].astype(object) for name in beside})
     nothing = "nan" if head.delimiter == " " else ""
     lines = []
-    columns = [*(found[name] for name in beside), *(found.get(k, np.array([])) for k in range(len(signals)))]
+    columns = [*(found[name] for name in beside), *(found[k] for k in range(len(tall.signals)))]
     rows = [[str(one) or nothing for one in row] for row in zip(*(c.tolist() for c in columns), strict=True)]
     for row in rows:
         text = io.StringIO()
         csv.writer(text, delimiter=head.delimiter, lineterminator="").writerow(row)
         lines.append(text.getvalue())
-    has_unit = any(UNIT & set(words_of(name)) for name in tall.names[-1:])
-    names = [_name(one, has_unit=has_unit) for one in signals]
     return replace(
         head,
-        columns=(*beside, *names),
+        columns=(*beside, *tall.called),
         rows=tuple(tuple(row) for row in rows[: len(head.rows)]),
         # The last sample may lack what comes behind; a last line is left out of what is looked at.
         body=tuple(lines),

@@ -12,19 +12,33 @@ _COARSE: Final = 0.3
 _BLOCKS: Final = 0.1
 """Of the rows are of another name than the row before; fewer: one signal stands below the other."""
 
-Order = Literal["stamps", "turns", "blocks"]
-"""`stamps`: values of a sample share a stamp; `turns`: they follow each other in one order; `blocks`: one signal stands
-below the other."""
+_CYCLE: Final = 0.8
+"""Of the rows follow the one before in the order of a sample, where all signals have one rate."""
+
+Order = Literal["stamps", "turns", "apart", "blocks"]
+"""`stamps`: values of a sample share a stamp; `turns`: they follow each other in one order; `apart`: those of a
+quantity do, and quantities have rates of their own; `blocks`: one signal stands below the other."""
 
 
 def order_of(signal: NDArray[np.intp], stamps: NDArray[Any] | None) -> Order:
     """Return how the rows of a sample are found."""
     if (signal[1:] != signal[:-1]).mean() < _BLOCKS and stamps is not None:
         return "blocks"
-    if stamps is None or (stamps[1:] == stamps[:-1]).mean() < _SHARED:
+    if stamps is None or not share_stamps(stamps):
         return "turns"
     place = np.concatenate([[0], np.cumsum(stamps[1:] != stamps[:-1])])
     return "turns" if float((_number_in(place, signal) > 0).mean()) > _COARSE else "stamps"
+
+
+def share_stamps(stamps: NDArray[Any] | None) -> bool:
+    """Return whether rows that follow each other stand at one time."""
+    return stamps is not None and bool((stamps[1:] == stamps[:-1]).mean() >= _SHARED)
+
+
+def is_cycle(signal: NDArray[np.intp]) -> bool:
+    """Return whether signals follow each other as in a sample, all at one rate."""
+    count = int(signal.max(initial=0)) + 1
+    return bool(((signal[1:] - signal[:-1]) % count == 1).mean() > _CYCLE)
 
 
 def of_a_sample(signal: NDArray[np.intp], first: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -37,8 +51,20 @@ def of_a_sample(signal: NDArray[np.intp], first: list[tuple[str, ...]]) -> list[
     return first
 
 
-def places(signal: NDArray[np.intp], stamps: NDArray[Any] | None, order: Order) -> NDArray[np.intp]:
-    """Return of each row in which sample it is."""
+def places(
+    signal: NDArray[np.intp], stamps: NDArray[Any] | None, order: Order, quantity: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """Return of each row in which sample it is.
+
+    Parameters
+    ----------
+    signal : ndarray of int, shape (N,)
+        By its place in a sample.
+    stamps : ndarray, shape (N,), or None
+    order : str
+    quantity : ndarray of int, shape (S,)
+        Of each signal of which sensor's quantity it is an axis.
+    """
     if not signal.size:
         return signal
     if order == "blocks":
@@ -54,14 +80,35 @@ def places(signal: NDArray[np.intp], stamps: NDArray[Any] | None, order: Order) 
             at = np.unique(_numbers(stamps), return_inverse=True)[1]
     else:
         begins = np.zeros(signal.size, dtype=np.bool_)
-        if stamps is not None and (order == "stamps" or (stamps[1:] == stamps[:-1]).mean() >= _SHARED):
+        if stamps is not None and (order == "stamps" or share_stamps(stamps)):
             begins[1:] = stamps[1:] != stamps[:-1]
-        if order == "turns":
+        if order in ("turns", "apart"):
             begins[1:] |= signal[1:] <= signal[:-1]
+        if order == "apart":
+            begins[1:] |= quantity[signal[1:]] != quantity[signal[:-1]]
         at = np.cumsum(begins)
+    if order == "stamps":
+        at = _with_late(at, signal, quantity)
     # What comes again at one time is of the next sample.
-    both = np.stack([at, _number_in(at, signal)], axis=1)
+    number = _number_in(at, signal)
+    both = np.stack([at, number], axis=1)
     return np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def _with_late(
+    at: NDArray[np.intp], signal: NDArray[np.intp], quantity: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """Return the samples, those values moved to the next one that have the stamp of the one before and lack there."""
+    several, sorts = int(signal.max()) + 1, int(quantity.max()) + 2
+    of, alike = quantity[signal] + 1, np.bincount(quantity + 1, minlength=sorts)
+    # A quantity that is whole at its time has nothing late, unless a value comes again.
+    axes = np.bincount(at * sorts + of, minlength=(int(at.max()) + 2) * sorts).reshape(-1, sorts)
+    is_odd = (axes[at, of] != alike[of]) & (axes[at + 1, of] > 0) & (axes[at + 1, of] < alike[of])
+    is_lacking = ~np.isin((at + 1) * several + signal, at * several + signal)
+    is_last = np.ones(at.size, dtype=np.bool_)
+    # Only what stands behind all that has its time right.
+    is_last[:-1] = (at[1:] != at[:-1]) | (of[1:] == of[:-1])
+    return np.asarray(at + (is_odd & is_lacking & is_last))
 
 
 def _number_in(place: NDArray[np.intp], signal: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -89,9 +136,10 @@ def side_by_side(
         rows = signal == number
         found[number] = np.full(count, np.nan if values.dtype != object else "", dtype=values.dtype)
         found[number][place[rows]] = values[rows]
-    first = np.full(count, place.size)
-    np.minimum.at(first, place, np.arange(place.size))
-    return found | {name: column[first] for name, column in beside.items()}
+    # The first value of a sample may have come with the stamp of the one before.
+    last = np.zeros(count, dtype=np.intp)
+    np.maximum.at(last, place, np.arange(place.size))
+    return found | {name: column[last] for name, column in beside.items()}
 
 
 def _numbers(stamps: NDArray[Any]) -> NDArray[np.float64]:
@@ -106,4 +154,4 @@ def _are_numbers(stamps: NDArray[Any]) -> bool:
     return True
 
 
-__all__ = ["Order", "of_a_sample", "order_of", "places", "side_by_side"]
+__all__ = ["Order", "is_cycle", "of_a_sample", "order_of", "places", "share_stamps", "side_by_side"]

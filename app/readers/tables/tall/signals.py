@@ -1,5 +1,6 @@
 """What a table with one value a row says of its values: which column holds them, which say what they are of."""
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.readers.tables.clocks.guess import guess_time
+from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, placement_of, quantity_of, side_of, words_of
 from app.readers.tables.rows import DEVICE
@@ -23,6 +25,7 @@ _RISES: Final = 0.9
 MOST_NAMES: Final = 400
 _MOST_TEXTS: Final = 60
 """Different texts in a column that says what a value is of."""
+_DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
 _MOST_DEVICES: Final = 17
 _TWICE: Final = (0.1, 0.01)
 """Rows of one name and one time are of two devices where a column that makes them few is found."""
@@ -45,7 +48,7 @@ def value_column(head: TableHead, body: Body) -> str | None:
 def says_what(column: str, texts: NDArray[Any]) -> bool:
     """Return whether a column says of a value which quantity, axis or sensor it is of."""
     several = {one for one in np.unique(texts).tolist() if one}
-    if not several or len(several) > _MOST_TEXTS:
+    if not several or len(several) > _MOST_TEXTS or all(map(is_clock, several)):
         return False
     if any(map(DEVICE.fullmatch, words_of(column))):
         return True
@@ -93,6 +96,8 @@ def with_devices(
     if before < _TWICE[0]:
         return names
     for column in head.columns:
+        if any(map(_DECIMAL.fullmatch, texts[column][:_MOST_TEXTS].tolist())):
+            continue
         few = 2 <= len(np.unique(texts[column])) <= _MOST_DEVICES
         if few and column not in (*names, *others) and _twice(texts, [clock, *names, column]) < _TWICE[1]:
             return [one for one in head.columns if one in (*names, column)]
@@ -100,8 +105,11 @@ def with_devices(
 
 
 def _twice(texts: dict[str, NDArray[Any]], columns: list[str]) -> float:
-    """Return the share of rows in which columns hold what they hold in another one."""
-    rows = list(zip(*(texts[column].tolist() for column in columns), strict=True))
+    """Return the share of rows that hold what another one holds at the same time; the clock is the first column."""
+    stamps = texts[columns[0]]
+    # A counter comes to the same number again.
+    at = np.cumsum(np.concatenate([[False], stamps[1:] != stamps[:-1]])).tolist()
+    rows = list(zip(at, *(texts[column].tolist() for column in columns[1:]), strict=True))
     return 1.0 - len(set(rows)) / max(len(rows), 1)
 
 

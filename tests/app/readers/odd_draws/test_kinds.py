@@ -246,3 +246,34 @@ def test_a_table_of_nine_is_as_it_was(tmp_path):
     found, said = read(tmp_path, PLAIN, rows)
     is_as_measured(found.sensors["imu"], GYROSCOPE)
     assert "guess.clocks_left" not in said
+
+
+def test_what_is_left_of_a_packet_behind_a_hole_ends_where_the_next_one_begins():
+    time_s = np.arange(400) / 120.0
+    stamps = (8 * (np.arange(400) // 8) + 7) / 120.0 + 2e-5 * (np.arange(400) % 8)
+    there = np.ones(400, dtype=bool)
+    there[141:245] = False
+    found = mended(stamps[there], 1.0).time_s
+    np.testing.assert_allclose(found, time_s[there], atol=1e-3)
+
+
+def test_stamps_that_run_over_their_end_early_have_the_unit_of_their_steps(tmp_path):
+    at = [4_294_967_061 + round(1000.0 * k / 256.0) for k in range(N)]
+    stamps = [str(one % 2**32) for one in at]
+    rows = in_turns(
+        [[stamp, "Gyroscope", *row[:3]] for stamp, row in zip(stamps, ROWS, strict=False)],
+        [[stamp, "TotalAcceleration", *row[3:]] for stamp, row in zip(stamps, ROWS, strict=False)],
+    )
+    found, said = read(tmp_path, "timestamp,sensor,x,y,z", rows)
+    assert found.nominal_rate_hz == pytest.approx(256.0, rel=5e-3)
+    assert "guess.time_unit" not in said
+
+
+def test_a_clock_of_two_bytes_that_ran_over_its_end_in_a_hole():
+    true = 50.0 * np.arange(200) + 61_038.0
+    there = np.ones(200, dtype=bool)
+    there[42:99] = False
+    np.testing.assert_array_equal(gone_on(np.mod(true, 65_536.0)[there]), true[there])
+    # Started again it begins at its zero.
+    again = np.concatenate([true[:42], 50.0 * np.arange(100)])
+    np.testing.assert_array_equal(gone_on(again), again)

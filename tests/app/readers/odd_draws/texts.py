@@ -1,5 +1,7 @@
 """How drawn tables are written down: comments, foreign lines, heads that stand again, commas and encodings."""
 
+import re
+
 import numpy as np
 
 from tests.app.readers.odd_draws.layouts import Table
@@ -80,7 +82,7 @@ def as_bytes(rng: Random, table: Table, said_hz: float | None) -> tuple[bytes, d
 
 def _comma(field: str) -> str:
     """Return a number with a decimal comma; a date keeps its points."""
-    return field.replace(".", ",") if field.count(".") == 1 else field
+    return re.sub(r"(?<=\d)[.](?=\d)", ",", field) if field.count(".") == 1 else field
 
 
 def _above(rng: Random, said_hz: float | None) -> tuple[list[str], str]:
