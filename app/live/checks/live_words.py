@@ -54,6 +54,9 @@ _WORDS: Final[dict[str, Callable[[Mapping[str, Any]], Sentence]]] = {
     "readings.gyroscope_in_degrees": _rate_unit,
     "readings.gyroscope_twice": _rate_unit,
     "readings.gyroscope_scale": _rate_unit,
+    "readings.gyroscope_pace": lambda of: say(
+        "readings.live_gyroscope_pace", where=of["where"], factor=of["factor"]
+    ),
     "readings.gyroscope_restless": lambda of: say(
         "readings.live_gyroscope_restless", where=of["where"], rate_radps=of["rate_radps"]
     ),

@@ -1,6 +1,7 @@
 """How far gravity and field contradict a gyroscope, for every way its axes and its unit may have been mistaken."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from dataclasses import field as field_
 from typing import Final
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.calibration.plausibility.leftover import of_field, of_force
 from estimators.calibration.plausibility.mistakes import SCALES, SIGNED_PERMUTATIONS
+from estimators.calibration.plausibility.pace import Moved, at_pace, pace_of
 from estimators.gravity import calm_size
 from estimators.recording import Float
 
@@ -41,12 +43,19 @@ class Evidence:
         The same for a gyroscope that says nothing, of force and of field.
     windows : ndarray of int, shape (2,)
         In how many windows the force, and the field, turned in the sensor.
+    paced : ndarray, shape (2, 2)
+        The same as in `force` and `field` for a gyroscope that turns `pace` times as far: because samples are that
+        much longer apart, and because its unit or range is another one; of force and of field each.
+    pace : float
+        1 while the readings fit as they are, or no pace makes them fit.
     """
 
     force: Float
     field: Float
     unturned: Float
     windows: NDArray[np.int64]
+    paced: Float = field_(default_factory=lambda: np.zeros((2, 2)))
+    pace: float = 1.0
 
     @staticmethod
     def nothing() -> "Evidence":
@@ -60,10 +69,12 @@ class Evidence:
             self.field + other.field,
             self.unturned + other.unturned,
             self.windows + other.windows,
+            self.paced + other.paced,
+            self.pace if other.pace == 1.0 else other.pace,
         )
 
 
-def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -> Evidence:
+def gather(rate: Float, force: Float, field: Float | None, time_step_s: float, pace: float = 1.0) -> Evidence:
     """Weigh every reading of a gyroscope by how gravity and field turn in the sensor.
 
     Parameters
@@ -75,6 +86,8 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -
     field : ndarray, shape (N, 3), or None
         Magnetic field, in any unit.
     time_step_s : float
+    pace : float
+        Found in what came before.
 
     Returns
     -------
@@ -98,20 +111,27 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -
     rate = rate - resting_rate(rate, force, size, step_s)
     length = round(WINDOW_S / step_s)
     starts = turning(force, size, length, step_s)
+    still = Moved(np.empty((0, length, 3)), np.empty((0, length, 3)))
+    of_gravity = of_earth = still
     if len(starts):
         chosen = starts[:, None] + np.arange(length)
-        left, unturned = of_force(rate[chosen], force[chosen] / size, step_s)
+        of_gravity = Moved(rate[chosen], force[chosen] / size)
+        left, unturned = of_force(*of_gravity, step_s)
         found = Evidence(left, found.field, np.array([unturned, 0.0]), np.array([len(starts), 0]))
-    if field is None:
-        return found
-    field, _ = slowed(field, time_step_s)
-    strength = float(np.nanmedian(np.linalg.norm(field, axis=1))) if np.isfinite(field).any() else 0.0
-    starts = turning(field, strength, length, step_s) if strength > 0.0 else starts[:0]
-    if len(starts):
-        chosen = starts[:, None] + np.arange(length)
-        left, unturned = of_field(rate[chosen], field[chosen] / strength, step_s)
-        found += Evidence(0.0 * left, left, np.array([0.0, unturned]), np.array([0, len(starts)]))
-    return found
+    if field is not None:
+        field, _ = slowed(field, time_step_s)
+        strength = float(np.nanmedian(np.linalg.norm(field, axis=1))) if np.isfinite(field).any() else 0.0
+        starts = turning(field, strength, length, step_s) if strength > 0.0 else starts[:0]
+        if len(starts):
+            chosen = starts[:, None] + np.arange(length)
+            of_earth = Moved(rate[chosen], field[chosen] / strength)
+            left, unturned = of_field(*of_earth, step_s)
+            found += Evidence(0.0 * left, left, np.array([0.0, unturned]), np.array([0, len(starts)]))
+    as_they_are = np.array([found.force[0, 0], found.field[0, 0]])
+    if pace == 1.0:
+        pace = pace_of(of_gravity, of_earth, step_s, as_they_are)
+    paced = at_pace(of_gravity, of_earth, step_s, pace) if pace != 1.0 else np.stack([as_they_are] * 2)
+    return replace(found, paced=paced, pace=pace)
 
 
 def slowed(values: Float, time_step_s: float) -> tuple[Float, float]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from estimators.calibration.plausibility.contradiction import Evidence
 from estimators.calibration.plausibility.mistakes import IS_PROPER, SCALES, SIGNED_PERMUTATIONS
+from estimators.calibration.plausibility.pace import FITS
 from estimators.recording import Float
 
 Triad = Literal["gyroscope", "accelerometer", "magnetometer"]
@@ -16,9 +17,6 @@ DOUBT: Final = 4.0
 and a half."""
 CERTAIN: Final = 4.5
 """The same before a recording is refused."""
-_FITS: Final = np.array([2.5, 3.5])
-"""What the right reading leaves of gravity, and of the field, in a window on average: in sound recordings, a magnet
-nearby included, at most 1.7 and 2.9."""
 _NEAR: Final = 1.5
 """Explanations this close to the best cannot be distinguished from it."""
 _COMPLEX: Final = 1.5
@@ -49,6 +47,8 @@ class Explanation:
         With it the readings fit as those of a sound recording do. Otherwise something is wrong that is none of this.
     is_clear : bool
         No other mapping of these triads, and no other unit, does about as well.
+    pace : float
+        How many times as far as the gyroscope says the sensor turns, where a wrong clock or range explains it; else 1.
     """
 
     triads: frozenset[Triad]
@@ -58,6 +58,7 @@ class Explanation:
     gain_over_silence: float
     fits: bool
     is_clear: bool
+    pace: float = 1.0
 
     @property
     def is_certain(self) -> bool:
@@ -90,6 +91,8 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     plain = float(force[0, 0] + field[0, 0])
     costs, is_ordinary = _costs(force, field, fastest_radps)
     best = min(float(cost.min()) for cost in costs.values())
+    if (at_pace := _pace(evidence, plain, best)) is not None:
+        return at_pace
     if plain - best < DOUBT:
         return None
     near: dict[Triad, tuple[int, int]] = {}
@@ -115,6 +118,27 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     )
 
 
+def _pace(evidence: Evidence, plain: float, others: float) -> Explanation | None:
+    """Return a wrong clock or range where it explains the readings; it stands before axes that do as well."""
+    if evidence.pace == 1.0:
+        return None
+    paced = evidence.paced[int(np.argmin(evidence.paced.sum(axis=1)))]
+    cost = float(paced.sum()) + _COMPLEX
+    fits = bool((paced <= FITS * evidence.windows).all())
+    if not fits or plain - cost < DOUBT or cost > others + _NEAR:
+        return None
+    return Explanation(
+        frozenset({"gyroscope"}),
+        1.0,
+        np.eye(3),
+        plain - cost,
+        float(evidence.unturned.sum()) - cost,
+        fits,
+        others > cost + _NEAR,
+        evidence.pace,
+    )
+
+
 def _costs(force: Float, field: Float, fastest_radps: float) -> tuple[dict[Triad, Float], bool]:
     """Return what each mistake leaves, shape (11, 48) a triad, and whether the gyroscope reads what limbs do."""
     turned = fastest_radps * np.array(SCALES)
@@ -137,7 +161,7 @@ def _fits(evidence: Evidence, triad: Triad, scale: int, mapping: int) -> bool:
     """Tell whether a mistake leaves as little as the right reading of a sound recording does."""
     of_force = evidence.force[scale, 0 if triad == "magnetometer" else mapping]
     of_field = evidence.field[scale, 0 if triad == "accelerometer" else mapping]
-    return bool((np.array([of_force, of_field]) <= _FITS * evidence.windows).all())
+    return bool((np.array([of_force, of_field]) <= FITS * evidence.windows).all())
 
 
 def _is_clear(costs: dict[Triad, Float], near: dict[Triad, tuple[int, int]], best: float) -> bool:

@@ -34,6 +34,28 @@ Left = Callable[[Float, Float], Float]
 
 def of_force(rate: Float, force: Float, step_s: float) -> tuple[Float, float]:
     """Return the sums of `Evidence` for windows of specific force in units of gravity, shape (W, N, 3)."""
+    left, fitted_left, unturned = _left_of_force(rate, force, step_s)
+    return _over_readings(rate, step_s, left, fitted_left), unturned
+
+
+def of_force_at(rate: Float, force: Float, step_s: float) -> float:
+    """Return the same sum for readings as they are."""
+    return _as_it_is(rate, step_s, _left_of_force(rate, force, step_s)[1])
+
+
+def of_field(rate: Float, field: Float, step_s: float) -> tuple[Float, float]:
+    """Return the sums of `Evidence` for windows of a field of about unit size, shape (W, N, 3)."""
+    left, fitted_left, unturned = _left_of_field(field, step_s)
+    return _over_readings(rate, step_s, left, fitted_left), unturned
+
+
+def of_field_at(rate: Float, field: Float, step_s: float) -> float:
+    """Return the same sum for readings as they are."""
+    return _as_it_is(rate, step_s, _left_of_field(field, step_s)[1])
+
+
+def _left_of_force(rate: Float, force: Float, step_s: float) -> tuple[Left, Left, float]:
+    """Return what is left as it is and with fitted offsets, and for a gyroscope that says nothing."""
     windows = len(force)
     width = max(1, round(_BLOCK_S / step_s))
     blocks = force.shape[1] // width
@@ -80,11 +102,11 @@ def of_force(rate: Float, force: Float, step_s: float) -> tuple[Float, float]:
 
     still = pieces.sum(axis=2)[:, :, None]
     unturned = float(cost((remaining(still) ** 2).sum(axis=(1, 3)))[0])
-    return _over_readings(rate, step_s, left, fitted_left), unturned
+    return left, fitted_left, unturned
 
 
-def of_field(rate: Float, field: Float, step_s: float) -> tuple[Float, float]:
-    """Return the sums of `Evidence` for windows of a field of about unit size, shape (W, N, 3)."""
+def _left_of_field(field: Float, step_s: float) -> tuple[Left, Left, float]:
+    """Return the same of a field."""
     windows = len(field)
     width = max(1, round(_BLOCK_S / step_s))
     blocks = field.shape[1] // width
@@ -126,7 +148,12 @@ def of_field(rate: Float, field: Float, step_s: float) -> tuple[Float, float]:
         explained = np.einsum("wmi,wij,wmj->wm", means, np.linalg.inv(normal), means, optimize=True)
         return np.asarray(np.log1p(np.maximum(square[:, None] - explained, 0.0) / _FIELD_FLOOR).sum(axis=0))
 
-    return _over_readings(rate, step_s, left, fitted_left), unturned
+    return left, fitted_left, unturned
+
+
+def _as_it_is(rate: Float, step_s: float, fitted_left: Left) -> float:
+    attitude = rotation.to_matrix(rotation.running_product(rotation.exp(step_s * np.nan_to_num(rate))))
+    return float(fitted_left(attitude, np.eye(3)[np.newaxis])[0])
 
 
 def _over_readings(rate: Float, step_s: float, left: Left, fitted_left: Left) -> Float:
@@ -231,4 +258,4 @@ def _smoothed(values: Float, reach: int) -> Float:
     return np.asarray((total[:, stop] - total[:, first]) / (stop - first))
 
 
-__all__ = ["of_field", "of_force"]
+__all__ = ["of_field", "of_field_at", "of_force", "of_force_at"]

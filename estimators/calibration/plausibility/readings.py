@@ -46,6 +46,8 @@ class Readings:
         self.freeze_s = self.longest_freeze_s = 0.0
         """How long the magnetometer has stood still in movement, and the longest that it did without a break."""
         self.time_s = 0.0
+        self.step_s = np.nan
+        """Between two samples."""
         self.evidence = Evidence.nothing()
         self.tail: Float | None = None
         self.dip = Dip()
@@ -73,6 +75,7 @@ class Readings:
         self.ticks += len(rate)
         self.sound_ticks += int(sound.sum())
         self.time_s += len(rate) * step_s
+        self.step_s = step_s
         if field is not None and not np.isfinite(field).any():
             field = None
         for triad, values in (("gyroscope", rate), ("accelerometer", force), ("magnetometer", field)):
@@ -135,7 +138,7 @@ class Readings:
         length = round((1.0 - HOP) * WINDOW_S / step_s)
         self.tail = stretch[:, -length:] if stretch.shape[1] >= length else stretch
         rate, force, joined = stretch
-        self.evidence += gather(rate, force, None if field is None else joined, step_s)
+        self.evidence += gather(rate, force, None if field is None else joined, step_s, self.evidence.pace)
         if field is not None:
             self.dip.add(rate, force, joined, step_s)
 

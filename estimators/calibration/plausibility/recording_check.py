@@ -189,7 +189,7 @@ class _Verdict:
         explanation = explain(self.readings.evidence, self.readings.fastest_radps)
         if is_rate_alive:
             self._unit_of_rate(explanation)
-            is_of_axes = explanation is not None and explanation.scale == 1.0
+            is_of_axes = explanation is not None and explanation.scale == explanation.pace == 1.0
             if is_force_alive and explanation is not None and is_of_axes and self._decides(explanation):
                 self._axes(explanation, hemisphere if is_field_alive else "unknown")
             if explanation is not None and explanation.is_amiss:
@@ -261,7 +261,10 @@ class _Verdict:
         scale = 1.0 if explanation is None else explanation.scale
         is_certain = explanation is not None and explanation.is_certain
         fits = explanation is not None and explanation.fits and explanation.is_clear
-        if scale != 1.0 and fits and (is_certain or fastest >= _SILENT_RADPS):
+        if explanation is not None and explanation.pace != 1.0 and not self._is_cut_off():
+            severity: Severity = "refuse" if is_certain and fits else "warning"
+            self._tell("gyroscope_unit", self._pace_message(explanation.pace), explanation.pace, severity)
+        elif scale != 1.0 and fits and (is_certain or fastest >= _SILENT_RADPS):
             self._tell(
                 "gyroscope_unit",
                 _unit_message(where, 1.0 / scale),
@@ -281,6 +284,17 @@ class _Verdict:
                 # It may be turning about the vertical, or tremble.
                 message = say("readings.gyroscope_restless", where=where, rate_radps=rate)
                 self._tell("gyroscope_unit", message, rate, "warning")
+
+    def _is_cut_off(self) -> bool:
+        """Tell whether turns are missing where the gyroscope stops: then the sensor turns farther than it says."""
+        return self.readings.is_marked_clipped or self.readings.rate_clips.level is not None
+
+    def _pace_message(self, pace: float) -> Sentence:
+        """Return the sentence about a clock or a range that is wrong; the signals do not tell which."""
+        where, said_hz = [self.name], 1.0 / self.readings.step_s
+        return say(
+            "readings.gyroscope_pace", where=where, factor=pace, said_hz=said_hz, rate_hz=said_hz / pace
+        )
 
     def _unexplained(self, explanation: Explanation) -> None:
         """Say that gyroscope, gravity and field do not fit where nothing on the list explains it."""

@@ -35,6 +35,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " converted twice. Declare rad/s.",
     "readings.gyroscope_scale": "{where:place}: the gyroscope reads {factor:number~3} times what the sensor turns,"
     " going by gravity and field. Check its unit and its scale factor.",
+    "readings.gyroscope_pace": "{where:place}: going by gravity and field, the sensor turns {factor:number~3} times as"
+    " far as its gyroscope says. Either the rate or the clock is wrong: the samples then come at {rate_hz:hz}, not at"
+    " {said_hz:hz}; give that rate, or correct the times. Or the unit or the range of the gyroscope is: then multiply"
+    " its columns by {factor:number~3}. The signals do not tell which.",
     "readings.gyroscope_too_calm": "{where:place}: the gyroscope reads at most {rate_radps:number~2} rad/s although the"
     " sensor is shaken by {force_mps2:mps2}. Check its unit.",
     "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the"
@@ -70,6 +74,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.live_sensor_amiss": "{where:place}: gyroscope, accelerometer and magnetometer of this sensor do not"
     " quite fit each other. Go away from iron and turn the sensor about each of its axes; if this word comes"
     " again, use another sensor and have this one checked.",
+    "readings.live_gyroscope_pace": "{where:place}: going by gravity and field, this sensor turns {factor:number~3}"
+    " times as far as its gyroscope says: its clock is wrong, or the range that its sensor box declares. Use another"
+    " sensor, and tell whoever set up the sensor box.",
     "readings.live_gyroscope_unit": "{where:place}: the gyroscope does not read in the unit that its sensor box"
     " declares. Use another sensor, and tell whoever set up the sensor box.",
     "readings.live_gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the"
