@@ -116,13 +116,22 @@ def test_a_long_name_is_found_as_it_is_typed_and_leaves_the_caseload_its_width(
     for one in client.get("/api/exercises").json()[:3]:
         dose = {"exercise_id": one["id"], "repetitions": 10, "times_per_week": 3}
         client.post(f"/api/patients/{person}/prescriptions", json=dose).raise_for_status()
-    for language, width in (("de-DE", 1440), ("de-DE", 1280), ("en-GB", 1280), ("de-DE", 1160), ("en-GB", 1024)):
+    for language, width in (
+        ("de-DE", 1440),
+        ("de-DE", 1280),
+        ("en-GB", 1280),
+        ("de-DE", 1160),
+        ("en-GB", 1024),
+    ):
         page = open_page("/", viewport={"width": width, "height": 800}, locale=language)
         name = page.get_by_role("row").filter(has_text="ukasiewicz")
         expect(name).to_be_visible()
         table = page.locator("table").first
         assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0, (language, width)
-        assert table.evaluate("one => one.scrollWidth - one.parentElement.clientWidth") <= 1, (language, width)
+        assert table.evaluate("one => one.scrollWidth - one.parentElement.clientWidth") <= 1, (
+            language,
+            width,
+        )
         for words in ("O'Brien", "OBrien", "lukasiewicz", "o\u2019brien"):
             page.locator(".search input").fill(words)
             expect(page.locator("table tbody tr")).to_have_count(1)
