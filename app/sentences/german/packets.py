@@ -98,9 +98,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "place.upper_arm_right": "Oberarm rechts",
     "placement.arms_swapped": "Die Sensoren des linken und des rechten Arms sind vertauscht. Jeden an seinen"
     " Platz setzen und wiederholen.",
-    "placement.back_to_front": "{where:place}: Der Sensor saß verkehrt herum (vorn und hinten vertauscht). Mit"
-    " seiner Richtung hätten sich Gelenke falsch herum gebeugt; um eine halbe Drehung gewendet sind alle möglich,"
-    " und so ist dieses Ergebnis gerechnet.",
+    "placement.back_to_front": "{where:place}: Der Sensor saß verkehrt herum (vorn und hinten vertauscht), denn"
+    " Gelenke beugten sich falsch herum. Seine Richtung wurde um eine halbe Drehung gewendet; damit sind die Winkel"
+    " berechnet.",
     "placement.faced_away": "{where:place}: Der Sensor zeigte {angle_rad:deg} von der angenommenen Richtung weg."
     " Die Blickrichtung wurde daraus bestimmt, wie sich die Gelenke beugten, auf etwa {sigma_rad:deg}. Eine"
     " Kalibrierung durch Bewegung misst sie.",

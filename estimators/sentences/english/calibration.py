@@ -112,8 +112,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " calibration allows for it, but check that it is the right sensor.",
     "placement.half_turn_since": "{where:place}: the sensor is turned by half a turn since last time. That is"
     " allowed, but check that it is the right sensor.",
-    "placement.back_to_front": "{where:place}: the sensor was worn back to front. With the direction that it gave,"
-    " joints would have bent the wrong way; with half a turn all of them are possible, and this result has it so.",
+    "placement.back_to_front": "{where:place}: the sensor was worn back to front, because joints bent the wrong"
+    " way. The direction it gave was turned by half a turn, and the angles are computed with that.",
     "placement.faced_away": "{where:place}: the sensor faced {angle_rad:deg} off the direction that was assumed."
     " Where the patient faced is taken from how the joints bent, to about {sigma_rad:deg}. Calibrate by movement to"
     " measure it.",
