@@ -193,17 +193,22 @@ def _declare(
 
 
 def _check(context: JobContext, declaration: UploadIn) -> tuple[str, ...]:
-    """Look whether units, axes and signs can be right; see `app.readers.judged`."""
+    """Look whether units, axes and signs can be right, see `app.readers.judged`; store what corrects the readings."""
     context.progress(_STORED_AT, say("progress.checking"))
     with read_only(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
-    return judged(
+    found = judged(
         StoredSession(context, setup),
         setup.placements,
         declaration.hemisphere or context.settings.hemisphere,
         is_accepted=declaration.accept_implausible,
         remedy=say("upload.correct_or_accept"),
     )
+    if found.devices:
+        with unit_of_work(context.engine) as session:
+            stored = session.get_one(MotionSession, context.session_id)
+            stored.setup = setup.with_devices(found.devices).to_dict()
+    return (*found.doubts, *found.notes)
 
 
 def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:

@@ -1,14 +1,39 @@
 """The one judgement of the readings of a whole recording, for the command line and for the service alike."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Final
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Final, NamedTuple
 
 from app.errors import ImplausibleReadings
 from app.sentences import Sentence, say
-from estimators.calibration import STRETCH_S, Hemisphere, RecordingCheck, in_words, same_signals
+from estimators.calibration import (
+    STRETCH_S,
+    Correction,
+    DeviceCalibration,
+    Finding,
+    Hemisphere,
+    RecordingCheck,
+    in_words,
+    same_signals,
+)
 from estimators.recording import ImuChunk
 
 PIECE_TICKS: Final = 1000
+
+
+class Judgement(NamedTuple):
+    """What is said of readings that are estimated, and how they are corrected before that.
+
+    Attributes
+    ----------
+    doubts, notes : tuple of str
+        What may be wrong; what was done.
+    devices : dict of str to DeviceCalibration
+        By the names of the sensors: accelerometers whose errors the movement shows.
+    """
+
+    doubts: tuple[str, ...]
+    notes: tuple[str, ...]
+    devices: dict[str, DeviceCalibration]
 
 
 def judged(
@@ -18,7 +43,7 @@ def judged(
     *,
     is_accepted: bool,
     remedy: Sentence,
-) -> tuple[str, ...]:
+) -> Judgement:
     """Look whether units, axes and signs can be right and sensors are several.
 
     Parameters
@@ -36,8 +61,7 @@ def judged(
 
     Returns
     -------
-    tuple of str
-        What is to be said of readings that are estimated.
+    Judgement
 
     Raises
     ------
@@ -45,15 +69,16 @@ def judged(
         They cannot be right; `codes` says of which kinds.
     """
     if not names:
-        return ()
-    check = RecordingCheck(names, hemisphere)
-    notes: list[str] = []
+        return Judgement((), (), {})
+    check = RecordingCheck(names, hemisphere, corrects=True)
+    doubts: list[str] = []
     for number, chunk in enumerate(stretches(pieces, STRETCH_S)):
         check.add(chunk)
         if number == 0 and (copies := [names[row] for row in same_signals(chunk)]):
-            notes.append(say("upload.same_signals", where=copies))
+            doubts.append(say("upload.same_signals", where=copies))
     # What is not there is flagged where it is missing, and a pause is no fault of the readings.
-    findings = [finding for finding in check.findings if finding.code != "no_data"]
+    found = check.corrections
+    findings = [one for one in check.findings if one.code != "no_data" and not _is_corrected(one, found)]
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not is_accepted:
         raise ImplausibleReadings(
@@ -61,7 +86,19 @@ def judged(
             codes=[finding.code for finding in refused],
             findings=[{"sensor": finding.sensor, "code": finding.code} for finding in refused],
         )
-    return (in_words(findings), *notes) if findings else tuple(notes)
+    if findings:
+        doubts.insert(0, in_words(findings))
+    doubts += [one.message for one in found.values() if one.is_fault]
+    return Judgement(
+        tuple(doubts),
+        tuple(one.message for one in found.values() if not one.is_fault),
+        {name: one.device for name, one in found.items()},
+    )
+
+
+def _is_corrected(finding: Finding, found: Mapping[str, Correction]) -> bool:
+    """Tell whether the message of a correction says it."""
+    return finding.code == "accelerometer_uncalibrated" and finding.sensor in found
 
 
 def cut(chunk: ImuChunk, piece_ticks: int = PIECE_TICKS) -> Iterator[ImuChunk]:
@@ -82,4 +119,4 @@ def stretches(pieces: Iterable[ImuChunk], length_s: float) -> Iterator[ImuChunk]
         yield ImuChunk.join(taken)
 
 
-__all__ = ["PIECE_TICKS", "cut", "judged", "stretches"]
+__all__ = ["PIECE_TICKS", "Judgement", "cut", "judged", "stretches"]

@@ -1,7 +1,7 @@
 """Constants of a session: static bias, how sensors sit on their segments, and how good that is."""
 
 from estimators.calibration._contract import Calibration
-from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
+from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct, direction_variance
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
@@ -14,6 +14,7 @@ from estimators.calibration.field.magnetometer import (
     MagnetometerResult,
 )
 from estimators.calibration.field.turns import circle_fit
+from estimators.calibration.force.verdict import Correction
 from estimators.calibration.movement.facing import (
     CONTRADICTED_SCORE,
     JUDGED,
@@ -37,6 +38,7 @@ __all__ = [
     "UNUSUAL_BIAS_SCORE",
     "AxisEstimate",
     "Calibration",
+    "Correction",
     "DeviceCalibration",
     "FerrarisResult",
     "Finding",
@@ -61,6 +63,7 @@ __all__ = [
     "check_recording",
     "circle_fit",
     "correct",
+    "direction_variance",
     "doubted_turns",
     "elbow_from_movement",
     "ferraris",

@@ -62,12 +62,16 @@ class DeviceCalibration:
         None while unknown: readings pass unchanged.
     field : LocalField or None
         The earth's field where the magnetometer was calibrated; corrects nothing, tells whether it can be believed.
+    direction_sigma_rad : tuple of 3 floats
+        What the corrections leave unknown of an orientation, one-sigma about x, y and z of the earth frame: added to
+        what the estimate states. Zero for a calibration in the hand.
     """
 
     accelerometer: TriadCalibration | None = None
     gyroscope: TriadCalibration | None = None
     magnetometer: TriadCalibration | None = None
     field: LocalField | None = None
+    direction_sigma_rad: Vector = (0.0, 0.0, 0.0)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it exactly."""
@@ -79,7 +83,18 @@ class DeviceCalibration:
         names = ("accelerometer", "gyroscope", "magnetometer")
         parts = {n: TriadCalibration.from_dict(stored[n]) for n in names if stored.get(n) is not None}
         field = stored.get("field")
-        return cls(**parts, field=None if field is None else LocalField.from_dict(field))
+        return cls(
+            **parts,
+            field=None if field is None else LocalField.from_dict(field),
+            direction_sigma_rad=vector(stored.get("direction_sigma_rad", (0.0, 0.0, 0.0))),
+        )
+
+
+def direction_variance(devices: Sequence[DeviceCalibration | None]) -> Float:
+    """Return the variance, rad^2, that calibrations leave about x, y and z of the earth frame, shape (S, 3)."""
+    return np.array(
+        [(0.0, 0.0, 0.0) if one is None else np.square(one.direction_sigma_rad) for one in devices]
+    ).reshape(-1, 3)
 
 
 def correct(chunk: ImuChunk, devices: Sequence[DeviceCalibration | None]) -> ImuChunk:
@@ -127,4 +142,13 @@ def matrix(values: Any) -> Matrix:
     return cast(Matrix, tuple(vector(row) for row in values))
 
 
-__all__ = ["DeviceCalibration", "Matrix", "TriadCalibration", "Vector", "correct", "matrix", "vector"]
+__all__ = [
+    "DeviceCalibration",
+    "Matrix",
+    "TriadCalibration",
+    "Vector",
+    "correct",
+    "direction_variance",
+    "matrix",
+    "vector",
+]

@@ -6,7 +6,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -70,6 +70,11 @@ class SessionSetup:
     device_constants: dict[Placement, DeviceConstants] = field(default_factory=dict)
     feet_apart_m: float | None = None
     feet_apart_end_m: float | None = None
+
+    def with_devices(self, found: Mapping[str, DeviceCalibration]) -> "SessionSetup":
+        """Return the setup with calibrations of sensors of which there is none; the others stay."""
+        worn = {name: found[name] for name in self.placements if name in found}
+        return replace(self, devices={**worn, **self.devices}) if worn else self
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it exactly."""

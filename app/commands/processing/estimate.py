@@ -77,7 +77,7 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         # As in the service for a person whom nobody measured.
         body=body_from_stature(BodyDimensions().stature_m),
     )
-    _check(measured, setup, force=asked.force, hemisphere=asked.hemisphere)
+    setup = _checked(measured, setup, force=asked.force, hemisphere=asked.hemisphere)
     if asked.pipeline == WALKING:
         walk, forces, note = analyse(measured, shoes, setup)
         frames, used = walk.frames, setup
@@ -97,18 +97,30 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
     _say(frames, used, out)
 
 
-def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: Hemisphere) -> None:
-    """Refuse readings whose unit, axes or sign cannot be right, as an upload does; tell of the rest."""
+def _checked(
+    measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: Hemisphere
+) -> SessionSetup:
+    """Refuse readings whose unit, axes or sign cannot be right, as an upload does; tell of the rest.
+
+    Returns
+    -------
+    SessionSetup
+        With what corrects accelerometers that were never calibrated.
+    """
     worn: dict[str, SensorSignals] = {
         name: measured.sensors[name] for name in setup.placements if name in measured.sensors
     }
     if not worn:
-        return
+        return setup
     chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
-    for note in judged(
+    found = judged(
         cut(chunk), tuple(worn), hemisphere, is_accepted=force, remedy=say("process.correct_or_force")
-    ):
-        typer.echo(f"warning: {note}", err=True)
+    )
+    for doubt in found.doubts:
+        typer.echo(f"warning: {doubt}", err=True)
+    for note in found.notes:
+        typer.echo(f"note: {note}", err=True)
+    return setup.with_devices(found.devices)
 
 
 def _say(frames: Frames, setup: SessionSetup, out: Path) -> None:

@@ -9,6 +9,13 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Wählen Sie einen größeren Bereich.",
     "readings.accelerometer_dead": "{where:place}: Der Beschleunigungssensor ändert sich nie. Tauschen Sie den"
     " Sensor aus, oder prüfen Sie seine Verdrahtung.",
+    "readings.accelerometer_uncalibrated": "{where:place}: Der Beschleunigungssensor hat einen Nullpunkt- oder"
+    " Skalenfehler, der die Messwerte um etwa {angle_rad:deg.1} neigt. Er wurde nie kalibriert, oder seine"
+    " Kalibrierung wurde nicht angewandt. Kalibrieren Sie ihn in sechs Lagen.",
+    "readings.accelerometer_corrected": "{where:place}: Nullpunkt- und Skalenfehler des Beschleunigungssensors wurden"
+    " aus der Bewegung bestimmt und abgezogen; wie aufgenommen wäre der Sensor um etwa {angle_rad:deg.1} geneigt."
+    " Was unbekannt bleibt, {sigma_rad:deg.1}, ist in der Unsicherheit des Ergebnisses enthalten. Kalibrieren Sie ihn"
+    " in sechs Lagen, um genauer zu messen.",
     "readings.accelerometer_unit": "{where:place}: Der Beschleunigungssensor zeigt in Ruhe {value:number~4},"
     " erwartet sind 9,81 m/s². {remedy}",
     "readings.axes_in_doubt": "{where:place}: Gyroskop, Beschleunigungssensor und Magnetometer passen nicht ganz"

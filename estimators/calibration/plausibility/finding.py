@@ -13,6 +13,7 @@ FindingCode = Literal[
     "accelerometer_axes",
     "accelerometer_clipped",
     "accelerometer_dead",
+    "accelerometer_uncalibrated",
     "accelerometer_unit",
     "gravity_reversed",
     "gyroscope_axes",

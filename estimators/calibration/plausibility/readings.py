@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators._clipping import LEAST_FORCE_RANGE_MPS2, LEAST_RATE_RANGE_RADPS, ClipWatch
 from estimators.calibration.field.dip import Dip
+from estimators.calibration.force.evidence import ForceEvidence
 from estimators.calibration.plausibility.contradiction import HOP, WINDOW_S, Evidence, gather
 from estimators.calibration.plausibility.even_sample import EvenSample
 from estimators.calibration.plausibility.mistakes import SIGNED_PERMUTATIONS
@@ -37,9 +38,11 @@ class Readings:
         What to call it.
     clip_levels : ndarray, shape (2, 2, 3), optional
         Of gyroscope and accelerometer, as found before: positive and negative side, axis.
+    is_corrected : bool
+        Whether its accelerometer will be corrected by what is found.
     """
 
-    def __init__(self, name: str, clip_levels: Float | None = None) -> None:
+    def __init__(self, name: str, clip_levels: Float | None = None, *, is_corrected: bool = False) -> None:
         self.name = name
         self.ticks = self.sound_ticks = 0
         self.is_marked_clipped = False
@@ -50,6 +53,7 @@ class Readings:
         """Between two samples."""
         self.evidence = Evidence.nothing()
         self.tail: Float | None = None
+        self.force = ForceEvidence(keeps_readings=is_corrected)
         self.dip = Dip()
         # A live session goes on for hours: of its stretches nothing is held that grows.
         self.calm = EvenSample()
@@ -90,6 +94,7 @@ class Readings:
             self.tail = None
         if not sound.any():
             return
+        self.force.add(rate, force, step_s)
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
         about = rate[sound].T @ rate[sound] / int(sound.sum())
@@ -117,6 +122,16 @@ class Readings:
     def moved(self, mapping: Float) -> float:
         """Return how much a signed permutation changes the rate: the largest mean square of a stretch, (rad/s)^2."""
         return float(self._moved[(mapping == SIGNED_PERMUTATIONS).all(axis=(1, 2))][0])
+
+    @property
+    def dip_rad(self) -> float:
+        """How steeply the field points down, zero without a field; NaN while that is not known."""
+        if not self.field_t:
+            return 0.0
+        sine = self.dip.sine()
+        if math.isnan(sine) and (product := self.still_product) is not None:
+            sine = -float(np.trace(product))
+        return math.nan if math.isnan(sine) else math.asin(min(max(sine, -1.0), 1.0))
 
     def add_freezes(self, lost: NDArray[np.bool_] | None, step_s: float) -> None:
         """Take which samples of a stretch lost their field alone, None for none; one freeze may go on from the last."""

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.calibration.force.verdict import Correction, correction, is_found, is_uncalibrated
 from estimators.calibration.plausibility.explanation import Explanation, explain
 from estimators.calibration.plausibility.finding import Finding, FindingCode, Hemisphere, Severity
 from estimators.calibration.plausibility.readings import Readings
@@ -49,6 +50,13 @@ _FIELD_UNITS: Final = (
 _FIELD_DOUBT_T: Final = (10e-6, 150e-6)
 _DISTURBED: Final = 0.15
 _LEAST_DIP_SINE: Final = 0.3
+_BESIDE_CORRECTION: Final = {
+    "accelerometer_uncalibrated",
+    "magnetic_disturbance",
+    "magnetometer_frozen",
+    "gravity_reversed",
+}
+"""What may be found of a sensor whose accelerometer is corrected all the same."""
 _FROZEN_S: Final = 1.0
 """A compass that repeats itself for so long in movement is worth a word; shorter ones are flagged where they are."""
 
@@ -64,6 +72,8 @@ class RecordingCheck:
         Of the place: the field points down in the north and up in the south.
     clip_levels : ndarray, shape (S, 2, 2, 3), optional
         As `clip_levels` of a check of what came before.
+    corrects : bool
+        Whether `corrections` will be asked for: a whole recording, not a session that goes on.
 
     Notes
     -----
@@ -72,11 +82,18 @@ class RecordingCheck:
     """
 
     def __init__(
-        self, names: Sequence[str], hemisphere: Hemisphere = "north", clip_levels: Float | None = None
+        self,
+        names: Sequence[str],
+        hemisphere: Hemisphere = "north",
+        clip_levels: Float | None = None,
+        *,
+        corrects: bool = False,
     ) -> None:
         self._hemisphere = hemisphere
         known = [None] * len(names) if clip_levels is None else clip_levels
-        self._sensors = [Readings(name, levels) for name, levels in zip(names, known, strict=True)]
+        self._sensors = [
+            Readings(name, levels, is_corrected=corrects) for name, levels in zip(names, known, strict=True)
+        ]
         self._next_tick = 0
         self._screen: SampleScreen | None = None
 
@@ -131,6 +148,23 @@ class RecordingCheck:
         value later shows that a level was none.
         """
         return np.array([(known.rate_clips.levels, known.force_clips.levels) for known in self._sensors])
+
+    @property
+    def corrections(self) -> dict[str, Correction]:
+        """By name: what takes the errors of an accelerometer off that the movement shows, and what that leaves unknown.
+
+        Only of sensors of which nothing else is in doubt.
+        """
+        found = {}
+        for sensor in self._sensors:
+            doubts = {one.code for one in _Verdict(sensor).findings(self._hemisphere)}
+            errors = sensor.force.errors
+            if errors is None or not is_found(errors) or not doubts <= _BESIDE_CORRECTION:
+                continue
+            refined = sensor.force.refined
+            if refined is not None:
+                found[sensor.name] = correction(sensor.name, refined, sensor.dip_rad)
+        return found
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -196,6 +230,8 @@ class _Verdict:
                 self._unexplained(explanation)
         if is_force_alive and is_field_alive and hemisphere != "unknown":
             self._sign(hemisphere)
+        if {found.code for found in self.found} <= _BESIDE_CORRECTION:
+            self._calibration()
         return self.found
 
     def _tell(
@@ -221,6 +257,10 @@ class _Verdict:
         factor = max(size, 1e-300) / GRAVITY_MPS2
         factor = max(factor, 1.0 / factor)
         if factor <= _GRAVITY_NEAR or (factor <= _GRAVITY_SURE and not is_at_rest):
+            return True
+        errors = self.readings.force.errors
+        if factor <= _GRAVITY_SURE and errors is not None and is_uncalibrated(errors):
+            # What explains it is said instead.
             return True
         remedies = [remedy for low, high, remedy in _FORCE_UNITS if low <= size <= high]
         remedy = remedies[0] if remedies else say("readings.force_unknown")
@@ -300,6 +340,14 @@ class _Verdict:
         """Say that gyroscope, gravity and field do not fit where nothing on the list explains it."""
         message = say("readings.unexplained", where=[self.name])
         self._tell("unexplained", message, explanation.gain, "warning")
+
+    def _calibration(self) -> None:
+        """Warn of an accelerometer with an offset or scale error that tilts everything."""
+        errors = self.readings.force.errors
+        if errors is None or not is_uncalibrated(errors):
+            return
+        message = say("readings.accelerometer_uncalibrated", where=[self.name], angle_rad=errors.tilt_rad)
+        self._tell("accelerometer_uncalibrated", message, errors.tilt_rad, "warning")
 
     def _decides(self, explanation: Explanation) -> bool:
         """Tell whether the sensor turned about the axes that would be exchanged by more than an offset does.

@@ -125,6 +125,9 @@ class BodyNetwork:
         q_room_segment, omega = np.empty((ticks, sensors, 4)), np.empty((ticks, sensors, 3))
         sigma, flags = np.empty((ticks, sensors, 3)), np.empty((ticks, sensors), dtype=np.uint8)
         known = result.sigma_rad
+        if known is not None and self.setup.devices:
+            of_devices = [self.setup.devices.get(name) for name in self.setup.placements]
+            known = np.sqrt(known**2 + calibration.direction_variance(of_devices)[:, None])
         compose(
             result.q_earth_sensor,
             np.full((sensors, ticks, 3), np.nan) if known is None else known,

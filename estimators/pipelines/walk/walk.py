@@ -109,6 +109,7 @@ def analyse_walk(
     time_s = start_s + np.arange(ticks) / setup.rate_hz
     feet_on_ticks = (_on_ticks(paths[side], strides[side], side, time_s) for side in feet)
     q, position_m, scalar, flags, attitude_sigma, position_sigma = zip(*feet_on_ticks, strict=True)
+    of_devices = calibration.direction_variance([devices.get(names[side]) for side in feet])
     frames = frames_of(
         layout_of(tuple(feet)),
         round(start_s * setup.rate_hz),
@@ -117,7 +118,7 @@ def analyse_walk(
         np.stack(position_m, axis=1),
         np.concatenate(scalar, axis=1),
         np.stack(flags, axis=1),
-        np.stack(attitude_sigma, axis=1),
+        np.sqrt(np.stack(attitude_sigma, axis=1) ** 2 + of_devices),
         np.stack(position_sigma, axis=1),
     )
     summary = summarise(strides)

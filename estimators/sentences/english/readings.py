@@ -12,6 +12,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " wiring.",
     "readings.accelerometer_clipped": "{where:place}: the accelerometer stops at {level_mps2:mps2}. Choose a larger"
     " range.",
+    "readings.accelerometer_uncalibrated": "{where:place}: the accelerometer has an offset or a scale error that tilts"
+    " the readings by about {angle_rad:deg.1}. It was never calibrated, or its calibration was not applied. Calibrate"
+    " it in six positions.",
+    "readings.accelerometer_corrected": "{where:place}: offset and scale error of the accelerometer were found from the"
+    " movement and taken off; as recorded, the sensor would lean by about {angle_rad:deg.1}. What stays unknown,"
+    " {sigma_rad:deg.1}, is in the stated uncertainty. Calibrate it in six positions to measure better.",
     "readings.accelerometer_unit": "{where:place}: the accelerometer reads {value:number~4} at rest where 9.81 m/s²"
     " is expected. {remedy}",
     "readings.force_without_gravity": "The device removes gravity: switch it to raw acceleration.",

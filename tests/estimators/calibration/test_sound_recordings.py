@@ -53,6 +53,12 @@ def test_a_steady_swing_is_no_rest_and_no_fault(seed):
     assert accusations(sound_recording(seed)) == ([], [])
 
 
+@pytest.mark.parametrize("seed", [20_071, 20_084])
+def test_an_accelerometer_read_at_the_end_of_a_step_has_no_offset(seed):
+    """An arm at 25 Hz: half a step late, force seems to turn with the sensor as an offset does."""
+    assert accusations(sound_recording(seed)) == ([], [])
+
+
 def beside_a_source(seed: int) -> ImuChunk:
     """The upper arm of the demonstration's magnetic session: it turns about one axis, never rests, and has offsets."""
     motion = relative_motion("shoulder", 45.0, seed)

@@ -66,6 +66,7 @@ class Verdict:
     sensors: tuple[str, ...] = ()
     pipeline: str = ""
     notes: frozenset[str] = field(default_factory=frozenset)
+    corrected: tuple[str, ...] = ()
 
 
 def table(*parts: np.ndarray, time_s: np.ndarray = TIME_S, head: str = PLAIN) -> bytes:
@@ -131,6 +132,9 @@ ACCEPTED = {
     "an accelerometer that gives gravity, as it is": Case(
         table(TURNED, -FELT, SEEN_UT, time_s=LONG_S), force=True
     ),
+    "an accelerometer as delivered": Case(
+        table(TURNED, FELT * [1.03, 0.97, 1.03] + [0.05 * G, -0.04 * G, 0.08 * G], SEEN_UT, time_s=LONG_S)
+    ),
     "a pause of twenty minutes": Case(table(*ALL, time_s=PAUSED_S)),
     "1125 Hz": Case(table(GYROSCOPE * 11.25, FORCE, time_s=FAST_S, head=SIX)),
 }
@@ -191,6 +195,7 @@ def doors(
         def run(*given: Any, **_: Any) -> None:
             setup = next(one for one in given if isinstance(one, SessionSetup))
             found.rate_hz, found.sensors, found.pipeline = setup.rate_hz, setup.placements, setup.pipeline
+            found.corrected = tuple(setup.devices)
             raise _Estimated
 
         monkeypatch.setattr(estimate.pipelines, "run", run)
@@ -217,7 +222,8 @@ def doors(
         setup = session_of(engine, done.job_id).setup
         lines = [line for line in _lines(done.message) if getattr(line, "code", "") != "upload.day_unknown"]
         said = frozenset(map(str, [*notes, *lines]))
-        return Verdict((), setup["rate_hz"], tuple(setup["placements"]), setup["pipeline"], said)
+        corrected = tuple(setup["devices"])
+        return Verdict((), setup["rate_hz"], tuple(setup["placements"]), setup["pipeline"], said, corrected)
 
     def page(case: Case) -> tuple[UploadIn, list[str]] | Verdict:
         asked = {"file_name": case.name, "rate_hz": case.rate_hz, "hemisphere": case.hemisphere or None}
@@ -297,6 +303,7 @@ def test_all_doors_give_one_judgement(doors: Any, tmp_path: Path, capsys: Any, n
     assert (sent if isinstance(sent, Verdict) else doors.upload(case, path, *sent)) == judged
     if name in ACCEPTED:
         assert judged.refused == ()
+        assert bool(judged.corrected) == (name == "an accelerometer as delivered")
     if name in REFUSED_FOR:
         assert REFUSED_FOR[name] in judged.refused
 

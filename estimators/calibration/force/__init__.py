@@ -1,0 +1,1 @@
+"""Offset and scale of an accelerometer, found in movement that nobody made for it."""

@@ -1,0 +1,134 @@
+"""Offset and scale of an accelerometer are found in movement, and what stays unknown is stated."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimators import rotation
+from estimators.calibration import RecordingCheck, correct
+from estimators.calibration.force.errors import ForceErrors
+from estimators.calibration.force.evidence import ForceEvidence
+from estimators.conventions import GRAVITY_MPS2
+from estimators.recording import Float, ImuChunk
+
+RATE_HZ = 50.0
+STEP_S = 1.0 / RATE_HZ
+
+
+def held(seed: int, attitudes: int, *, noise: float = 1.0) -> tuple[Float, Float]:
+    """Return true rate and specific force of a sensor that rests for 4 s in each attitude and is turned in between."""
+    generator = np.random.default_rng([seed, 17])
+    rest, turn = round(4.0 * RATE_HZ), round(1.5 * RATE_HZ)
+    bell = np.sin(np.linspace(0.0, np.pi, turn)) ** 2
+    bell /= bell.sum() * STEP_S
+    parts = []
+    for _ in range(attitudes):
+        parts += [np.zeros((rest, 3)), bell[:, None] * generator.uniform(-2.0, 2.0, 3)]
+    rate = np.concatenate(parts)
+    begun = rotation.normalize(generator.normal(size=4))
+    attitude = rotation.multiply(begun, rotation.running_product(rotation.exp(STEP_S * rate)))
+    middle = rotation.multiply(attitude, rotation.exp(-0.5 * STEP_S * rate))
+    moving = np.linalg.norm(rate, axis=1, keepdims=True)
+    force = rotation.rotate(rotation.conjugate(middle), [0.0, 0.0, GRAVITY_MPS2])
+    force += noise * 0.5 * moving * np.sin(2.0 * np.pi * 1.7 * STEP_S * np.arange(len(rate)))[:, None]
+    return rate, force
+
+
+def delivered(seed: int, force: Float, *, size: float = 1.0) -> tuple[Float, Float, Float]:
+    """Return readings of a device as delivered, its scale errors and its offsets: 20 to 150 mg, 1 to 5 % an axis."""
+    generator = np.random.default_rng([seed, 18])
+    scale = size * generator.uniform(0.01, 0.05, 3) * generator.choice([-1.0, 1.0], 3)
+    offset = size * GRAVITY_MPS2 * generator.uniform(0.02, 0.15, 3) * generator.choice([-1.0, 1.0], 3)
+    return force * (1.0 + scale) + offset + generator.normal(0.0, 0.03, force.shape), scale, offset
+
+
+def found(rate: Float, force: Float, seed: int = 0) -> ForceErrors:
+    noise = np.random.default_rng([seed, 19]).normal(0.0, 0.003, rate.shape)
+    evidence = ForceEvidence(keeps_readings=True)
+    evidence.add(rate + 0.004 + noise, force, STEP_S)
+    assert evidence.refined is not None
+    return evidence.refined
+
+
+def off(errors: ForceErrors, scale: Float, offset: Float) -> Float:
+    """Return estimated less true errors."""
+    return np.concatenate((errors.scale - scale, errors.offset_mps2 - offset))
+
+
+def test_errors_are_found_where_the_sensor_was_held_in_many_attitudes():
+    rate, force = held(1, 8)
+    readings, scale, offset = delivered(1, force)
+    errors = found(rate, readings)
+    apart = off(errors, scale, offset)
+    assert np.abs(apart[:3]).max() < 0.01
+    assert np.abs(apart[3:]).max() < 0.01 * GRAVITY_MPS2
+    assert errors.gain > 20.0
+    assert errors.tilt_rad > 10.0 * errors.tilt_sigma_rad
+
+
+def test_the_stated_covariance_covers_the_truth():
+    """In few attitudes and in many: normalised squares average at most six, the number of errors, but not far below.
+
+    Rests are quieter than what is assumed of a limb, so the covariance is on the safe side here.
+    """
+    squares = []
+    for seed in range(200, 240):
+        rate, force = held(seed, 2 + seed % 5)
+        readings, scale, offset = delivered(seed, force)
+        errors = found(rate, readings, seed)
+        apart = off(errors, scale, offset)
+        squares.append(float(apart @ np.linalg.solve(errors.covariance, apart)))
+    assert 0.6 < np.mean(squares) < 6.0
+    # 16.8 holds 99 % of chi-square with six degrees of freedom.
+    assert np.mean(np.array(squares) < 16.8) > 0.9
+
+
+def test_what_a_single_rest_cannot_show_stays_unknown():
+    """Across gravity an offset looks like a lean: the prior of a device as delivered remains."""
+    rate, force = held(3, 1, noise=0.0)
+    rest = slice(0, round(4.0 * RATE_HZ))
+    errors = found(rate[rest], force[rest] + [0.5, 0.0, 0.0])
+    assert np.degrees(errors.tilt_sigma_rad) > 4.0
+
+
+def test_a_sound_device_has_no_errors_worth_a_word():
+    for seed in range(300, 320):
+        rate, force = held(seed, 2 + seed % 5)
+        assert found(rate, delivered(seed, force, size=0.05)[0], seed).gain < 2.0
+
+
+def check_of(rate: Float, readings: Float) -> tuple[RecordingCheck, ImuChunk]:
+    quality = np.zeros((1, len(rate)), np.uint8)
+    chunk = ImuChunk(0, STEP_S, rate[None], readings[None], None, quality)
+    check = RecordingCheck(["hand_left"], "unknown", corrects=True)
+    check.add(chunk)
+    return check, chunk
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13])
+def test_a_recording_is_corrected_and_told(seed):
+    rate, force = held(seed, 6)
+    readings, _, _ = delivered(seed, force)
+    check, chunk = check_of(rate, readings)
+    assert [one.code for one in check.findings] == ["accelerometer_uncalibrated"]
+    assert {one.severity for one in check.findings} == {"warning"}
+    correction = check.corrections["hand_left"]
+    left = correct(chunk, [correction.device]).accelerometer_mps2[0] - force
+    before = readings - force
+    assert np.sqrt(np.mean(left**2)) < 0.1 * np.sqrt(np.mean(before**2))
+    assert 0.0 < correction.device.direction_sigma_rad[0] < np.radians(1.0)
+
+
+def test_other_faults_are_not_called_an_offset():
+    rate, force = held(21, 6)
+    for fault in (
+        replace(check_of(rate, force)[1], gyroscope_radps=rate[None][..., [1, 0, 2]]),
+        replace(check_of(rate, force)[1], accelerometer_mps2=force[None] / GRAVITY_MPS2),
+        replace(check_of(rate, force)[1], gyroscope_radps=np.degrees(rate)[None]),
+    ):
+        check = RecordingCheck(["hand_left"], "unknown", corrects=True)
+        check.add(fault)
+        assert check.findings
+        assert "accelerometer_uncalibrated" not in {one.code for one in check.findings}
+        assert check.corrections == {}
