@@ -11,6 +11,9 @@ from estimators.recording import Float
 
 _MOST_WINDOWS: Final = 40
 """Four minutes in which the sensor turned: they say what a recording can say."""
+_MOST_LIVE_WINDOWS: Final = 6
+_LIVE_SEEN: Final = 10
+"""Of a live session, which only warns, once: those of its first minute that turned most; they are let go then."""
 _SAME_REST: Final = 0.997
 """Cosine between rests that are one and the same: it says one thing once."""
 
@@ -21,11 +24,14 @@ class ForceEvidence:
     Parameters
     ----------
     keeps_readings : bool
-        Whether `refined` will be asked for.
+        Whether `refined` will be asked for. Else it is weighed once, when a minute was seen, and no more is held then
+        than what came of it: each window takes 8 kB.
     """
 
     def __init__(self, *, keeps_readings: bool) -> None:
         self._keeps_readings = keeps_readings
+        self._most = _MOST_WINDOWS if keeps_readings else _MOST_LIVE_WINDOWS
+        self._seen = 0
         self._windows = Windows.nothing()
         self._readings: list[Cut] = []
         self._found: ForceErrors | None = None
@@ -33,22 +39,30 @@ class ForceEvidence:
 
     def add(self, rate: Float, force: Float, time_step_s: float) -> None:
         """Take a stretch, each shape (N, 3)."""
+        if self._is_over:
+            return
         pieces = cut(rate, force, time_step_s)
         if pieces is None:
             return
+        self._seen += len(pieces.rate)
         known = self._windows.turned
-        if len(known) == _MOST_WINDOWS:
+        if len(known) == self._most:
             pieces = pieces[pieces.turned > known.min()]
         count = len(pieces.rate)
-        if not count:
-            return
+        if count:
+            self._take(pieces, count)
+        if self._is_over:
+            self._found, self._is_new = force_errors(self._windows), False
+            self._windows = Windows.nothing()
+
+    def _take(self, pieces: Cut, count: int) -> None:
         self._windows += summed(pieces)
         if self._keeps_readings:
             self._readings += [pieces[np.arange(count) == k] for k in range(count)]
         self._keep(_said_once(self._windows))
-        if len(self._windows.turned) > _MOST_WINDOWS:
+        if len(self._windows.turned) > self._most:
             order = np.argsort(-self._windows.turned, kind="stable")
-            self._keep(np.argsort(order) < _MOST_WINDOWS)
+            self._keep(np.argsort(order) < self._most)
         self._is_new = True
 
     def _keep(self, which: NDArray[np.bool_]) -> None:
@@ -56,9 +70,13 @@ class ForceEvidence:
         self._readings = [one for one, is_kept in zip(self._readings, which, strict=False) if is_kept]
 
     @property
+    def _is_over(self) -> bool:
+        return not self._keeps_readings and self._seen >= _LIVE_SEEN
+
+    @property
     def errors(self) -> ForceErrors | None:
-        """What was found so far; None without a window."""
-        if self._is_new:
+        """What was found so far; None without a window, and live before it was weighed."""
+        if self._is_new and self._keeps_readings:
             self._found, self._is_new = force_errors(self._windows), False
         return self._found
 

@@ -195,7 +195,7 @@ def check_recording(
     ShapeError
         If there are not as many names as sensors.
     """
-    check = RecordingCheck(names, hemisphere)
+    check = RecordingCheck(names, hemisphere, corrects=True)
     parts = max(1, round(chunk.tick_count * chunk.time_step_s / STRETCH_S))
     bounds = [round(chunk.tick_count * part / parts) for part in range(parts + 1)]
     for first, stop in pairwise(bounds):
