@@ -39,11 +39,11 @@ class Readings:
     clip_levels : ndarray, shape (2, 2, 3), optional
         Of gyroscope and accelerometer, as found before: positive and negative side, axis.
     is_corrected : bool
-        Whether its accelerometer will be corrected by what is found.
+        Of a whole recording, whose accelerometer will be corrected by what is found; not of a session that goes on.
     """
 
     def __init__(self, name: str, clip_levels: Float | None = None, *, is_corrected: bool = False) -> None:
-        self.name = name
+        self.name, self.is_corrected = name, is_corrected
         self.ticks = self.sound_ticks = 0
         self.is_marked_clipped = False
         self.freeze_s = self.longest_freeze_s = 0.0

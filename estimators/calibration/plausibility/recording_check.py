@@ -220,7 +220,8 @@ class _Verdict:
         is_rate_alive = self._rate_channels()
         is_field_alive = self._field()
         self._clips()
-        explanation = explain(self.readings.evidence, self.readings.fastest_radps)
+        readings = self.readings
+        explanation = explain(readings.evidence, readings.fastest_radps, goes_on=not readings.is_corrected)
         if is_rate_alive:
             self._unit_of_rate(explanation)
             is_of_axes = explanation is not None and explanation.scale == explanation.pace == 1.0

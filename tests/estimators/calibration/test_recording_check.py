@@ -264,6 +264,19 @@ def test_faults_in_a_real_recording_are_named(fault, expected):
     assert [f.code for f in check_recording(fault(chunk), ["box"])] == [expected]
 
 
+def test_a_session_that_goes_on_names_a_pace_only_by_several_windows():
+    """Where samples are lost without a word, some pace explains the two or three windows that hold the jump."""
+    schedule = Schedule(n_pose_s=2.0, settle_s=0.2, pause_s=0.3, repetitions=3)
+    made = simulate_arm(ArmScenario(exercise="drinking", placements=ARM, schedule=schedule, seed=2))
+    slow = only(signals.to_common_ticks(made.recording, 100.0), gyroscope_radps=lambda rate: 0.5 * rate)
+    live, named = RecordingCheck(ARM), []
+    for first, stop in ((0, 800), (800, 1600)):
+        live.add(slow.ticks(first, stop))
+        named.append([one.code for one in live.findings if one.severity == "refuse"])
+    assert named == [[], ["gyroscope_unit"]]
+    assert "gyroscope_unit" in codes(slow.ticks(0, 800))
+
+
 def test_a_gyroscope_57_times_too_small_does_not_hide_its_own_movement():
     content = np.load(DATA / "broad" / "fast_combined_15s.npz")
     rate = float(content["sampling_rate_hz"])
