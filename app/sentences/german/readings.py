@@ -77,11 +77,11 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " bestimmen Sie den Gyroskop-Nullpunkt.",
     "readings.gyroscope_scale": "{where:place}: Das Gyroskop zeigt das {factor:number~3}\u2011fache der Drehung des"
     " Sensors, nach Schwerkraft und Feld beurteilt. Prüfen Sie Einheit und Skalenfaktor.",
-    "readings.gyroscope_pace": "{where:place}: Nach Schwerkraft und Feld dreht sich der Sensor {factor:number~3}-mal so"
-    " weit, wie sein Gyroskop sagt. Entweder stimmt die Rate oder die Uhr nicht: Dann kommen die Messwerte mit"
-    " {rate_hz:hz}, nicht mit {said_hz:hz}; geben Sie diese Rate an, oder berichtigen Sie die Zeiten. Oder die Einheit"
-    " oder der Messbereich des Gyroskops stimmt nicht: Dann nehmen Sie seine Spalten mal {factor:number~3}. Welches von"
-    " beiden, zeigen die Signale nicht.",
+    "readings.gyroscope_pace": "{where:place}: Nach Schwerkraft und Feld dreht sich der Sensor"
+    " {factor:number~3}\u2011mal so weit, wie sein Gyroskop sagt. Entweder stimmt die Rate oder die Uhr nicht: Dann"
+    " kommen die Messwerte mit {rate_hz:hz}, nicht mit {said_hz:hz}; geben Sie diese Rate an, oder berichtigen Sie die"
+    " Zeiten. Oder die Einheit oder der Messbereich des Gyroskops stimmt nicht: Dann nehmen Sie seine Spalten mal"
+    " {factor:number~3}. Welches von beiden, zeigen die Signale nicht.",
     "readings.gyroscope_silent": "{where:place}: Der Sensor dreht sich, aber sein Gyroskop zeigt nichts."
     " Tauschen Sie ihn aus.",
     "readings.gyroscope_too_calm": "{where:place}: Das Gyroskop zeigt höchstens {rate_radps:number~2} rad/s,"
@@ -95,8 +95,9 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " passen nicht ganz zueinander. Gehen Sie von Eisen weg, und drehen Sie den Sensor um jede seiner Achsen;"
     " kommt dieser Hinweis wieder, nehmen Sie einen anderen Sensor, und lassen Sie diesen prüfen.",
     "readings.live_gyroscope_pace": "{where:place}: Nach Schwerkraft und Feld dreht sich dieser Sensor"
-    " {factor:number~3}-mal so weit, wie sein Gyroskop sagt: Seine Uhr stimmt nicht, oder der Messbereich, den seine"
-    " Sensorbox angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die Sensorbox eingerichtet hat.",
+    " {factor:number~3}\u2011mal so weit, wie sein Gyroskop sagt: Seine Uhr stimmt nicht, oder der Messbereich, den"
+    " seine Sensorbox angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die Sensorbox eingerichtet"
+    " hat.",
     "readings.live_gyroscope_unit": "{where:place}: Das Gyroskop misst nicht in der Einheit, die seine Sensorbox"
     " angibt. Nehmen Sie einen anderen Sensor, und sagen Sie es dem, der die Sensorbox eingerichtet hat.",
     "readings.live_gyroscope_restless": "{where:place}: Das Gyroskop zeigt {rate_radps:number~2} rad/s, während"
