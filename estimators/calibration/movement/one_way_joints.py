@@ -210,11 +210,13 @@ def bendings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tupl
 
 
 def raisings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tuple[Raising, ...]:
-    """Return where every worn upper arm was raised to, seen from the trunk; empty where none is worn: people turn."""
-    trunk = next((name for name in ("sternum", "pelvis") if name in names), None)
-    if trunk is None:
+    """Return where every worn upper arm was raised to, seen from the chest; empty where it is not worn: people turn.
+
+    From the pelvis nothing is judged: the chest turns over it by more than an arm can be raised beyond the side.
+    """
+    if "sternum" not in names:
         return ()
-    q_trunk = q_room_segment[:, names.index(trunk)]
+    q_trunk = q_room_segment[:, names.index("sternum")]
     return tuple(
         raised(side, q_trunk, q_room_segment[:, names.index(f"upper_arm_{side}")], step_s)
         for side in SIDES

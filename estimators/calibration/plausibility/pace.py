@@ -77,7 +77,8 @@ def pace_of(gravity: Moved, earth: Moved, step_s: float, as_they_are: Float) -> 
         for one in (best / step, best * step):
             if (found := cost(one)) < least:
                 best, least = one, found
-    return best if max(best, 1.0 / best) > NEAREST else 1.0
+    # At the end of what was tried nothing fits: the gyroscope is only ignored.
+    return best if NEAREST < max(best, 1.0 / best) < _FARTHEST / _STEP else 1.0
 
 
 __all__ = ["FITS", "NEAREST", "Moved", "at_pace", "pace_of"]

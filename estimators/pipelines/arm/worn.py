@@ -21,8 +21,10 @@ _MOVED_RAD: Final = np.radians(3.0)
 """What moves less in a second counts once: sensors may lie on a table, or an arm on a lap."""
 _SAMPLE_S: Final = 0.2
 _LOOK: Final = 25
+_DOUBTS: Final = 2
 _MEMORY: Final = 300
-"""Live a posture is remembered so often; so many are looked at together, and so many remembered."""
+"""Live a posture is remembered so often; so many are looked at together, so many looks in turn must doubt, and so many
+are remembered."""
 
 
 def judge_worn(frames: Frames, setup: SessionSetup, from_s: float) -> SessionSetup:
@@ -83,6 +85,7 @@ class WornCheck:
         self.calibration = calibration
         self._from_s = math.nan
         self._is_answered = False
+        self._doubted = 0
         self._next_tick = self._rows = self._new = 0
         self._q: NDArray[np.float32] | None = None
         self._ticks = np.zeros(_MEMORY, dtype=np.int64)
@@ -107,9 +110,12 @@ class WornCheck:
         self._new = 0
         step_s = stride * frames.time_step_s
         if not has_impossible(self._postures(frames, _LOOK + round(_HELD_S / step_s), step_s)):
+            self._doubted = 0
             return None
+        self._doubted += 1
         found = judged_by_movement(self.calibration, self._postures(frames, _MEMORY, step_s))
-        if found is self.calibration or self._is_answered:
+        # What was wrong for some seconds only, as while a strap is put right, is no matter of the pose.
+        if found is self.calibration or self._is_answered or self._doubted < _DOUBTS:
             return None
         self._is_answered = True
         return found

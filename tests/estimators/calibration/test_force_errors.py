@@ -9,6 +9,7 @@ from estimators import rotation
 from estimators.calibration import RecordingCheck, correct
 from estimators.calibration.force.errors import ForceErrors
 from estimators.calibration.force.evidence import ForceEvidence
+from estimators.calibration.force.verdict import is_found, is_uncalibrated
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import Float, ImuChunk
 
@@ -132,3 +133,24 @@ def test_other_faults_are_not_called_an_offset():
         assert check.findings
         assert "accelerometer_uncalibrated" not in {one.code for one in check.findings}
         assert check.corrections == {}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_an_acceleration_in_the_rhythm_of_the_tilt_is_not_taken_for_an_offset(seed):
+    """Squats and rowing: the trunk leans about one axis and is accelerated as it leans. They were corrected by 10 deg."""
+    generator = np.random.default_rng(seed)
+    ticks = round(120.0 * RATE_HZ)
+    phase = (
+        np.cumsum(2.0 * np.pi * 0.4 * (1.0 + 0.1 * np.repeat(generator.normal(size=60), ticks // 60)))
+        * STEP_S
+    )
+    lean = np.radians(45.0) * 0.5 * (1.0 - np.cos(phase))
+    rate = np.zeros((ticks, 3))
+    rate[:, 1] = np.gradient(lean, STEP_S)
+    attitude = rotation.running_product(rotation.exp(STEP_S * rate))
+    pushed = np.zeros((ticks, 3))
+    pushed[:, 0], pushed[:, 2] = 1.6 * np.cos(phase), GRAVITY_MPS2
+    force = rotation.rotate(rotation.conjugate(attitude), pushed) + generator.normal(0.0, 0.03, (ticks, 3))
+    errors = found(rate, force, seed)
+    assert not is_found(errors)
+    assert not is_uncalibrated(errors)

@@ -32,7 +32,7 @@ def drinking(turned: Placement, *, has_magnetometer: bool) -> Recording:
         ArmScenario(
             exercise="drinking",
             placements=WORN,
-            schedule=Schedule(n_pose_s=8.0, repetitions=2),
+            schedule=Schedule(n_pose_s=8.0, repetitions=4),
             mounting=Mounting(q_segment_sensor={turned: (w, x, y, z)}),
             has_magnetometer=has_magnetometer,
             rate_hz=50.0,
