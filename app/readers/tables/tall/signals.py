@@ -37,7 +37,7 @@ def value_column(head: TableHead, body: Body) -> str | None:
     for column in head.columns:
         values = body.numbers(column)[:, 0]
         steps = np.diff(values[np.isfinite(values)])
-        is_even = 2 * steps.size < len(body) or (steps >= 0.0).mean() > _RISES
+        is_even = not steps.size or 2 * steps.size < len(body) or (steps >= 0.0).mean() > _RISES
         if not is_even and not any(map(DEVICE.fullmatch, words_of(column))):
             found.append(column)
     called = [column for column in found if _VALUE & set(words_of(column))]
