@@ -137,7 +137,7 @@ def test_other_faults_are_not_called_an_offset():
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_an_acceleration_in_the_rhythm_of_the_tilt_is_not_taken_for_an_offset(seed):
-    """Squats and rowing: the trunk leans about one axis and is accelerated as it leans. They were corrected by 10 deg."""
+    """Squats and rowing: the trunk leans about one axis and is accelerated as it leans. It was corrected by 10 deg."""
     generator = np.random.default_rng(seed)
     ticks = round(120.0 * RATE_HZ)
     phase = (
