@@ -4,7 +4,7 @@ Reading what was measured needs the level `read`; starting and feeding a session
 is to become a template); analysing again and deleting `treat`; watching a task's progress `status`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -205,6 +205,14 @@ def events_of(session: Session, session_id: str) -> Sequence[SessionEvent]:
         .where(SessionEvent.session_id == session_id)
         .order_by(SessionEvent.time_s, SessionEvent.created_at)
     ).all()
+
+
+def replace_events(session: Session, session_id: str, kind: str, events: Iterable[SessionEvent]) -> None:
+    """Put what an analysis found on the time line in place of what an earlier one found of the same kind."""
+    session.execute(
+        delete(SessionEvent).where(SessionEvent.session_id == session_id, SessionEvent.kind == kind)
+    )
+    session.add_all(events)
 
 
 def result_of(session: Session, found: MotionSession, result_id: str | None = None) -> Result:

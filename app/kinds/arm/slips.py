@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import func, select
 
 from app.database.unit_of_work import read_only, unit_of_work
 from app.recordings.analysis.heading_line import MOUNTINGS, HeadingLine, HeadingReset
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
+from app.recordings.repository import replace_events
 from app.sentences import Sentence, say
 from estimators import pipelines
 from estimators.pipelines import Frames, Pipeline, SessionSetup, Slip, SlipSearch
@@ -111,26 +112,22 @@ def mounted_since_s(context: JobContext, resets: Sequence[HeadingReset]) -> floa
 
 def report_slips(context: JobContext, slips: Sequence[Slip]) -> None:
     """Put slips on the time line in place of those that an earlier analysis found."""
-    with unit_of_work(context.engine) as session:
-        session.execute(
-            delete(SessionEvent).where(
-                SessionEvent.session_id == context.session_id, SessionEvent.kind == EVENT
-            )
+    events = [
+        SessionEvent(
+            session_id=context.session_id,
+            kind=EVENT,
+            time_s=rivals[0].time_s,
+            placement=rivals[0].placement if len(rivals) == 1 else None,
+            text=in_words(rivals),
+            details={
+                "placements": [one.placement for one in rivals],
+                "turn_rad": rivals[0].angle_rad,
+            },
         )
-        for rivals in pipelines.in_doubt(slips):
-            session.add(
-                SessionEvent(
-                    session_id=context.session_id,
-                    kind=EVENT,
-                    time_s=rivals[0].time_s,
-                    placement=rivals[0].placement if len(rivals) == 1 else None,
-                    text=in_words(rivals),
-                    details={
-                        "placements": [one.placement for one in rivals],
-                        "turn_rad": rivals[0].angle_rad,
-                    },
-                )
-            )
+        for rivals in pipelines.in_doubt(slips)
+    ]
+    with unit_of_work(context.engine) as session:
+        replace_events(session, context.session_id, EVENT, events)
 
 
 def in_words(rivals: Sequence[Slip]) -> Sentence:

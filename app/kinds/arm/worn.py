@@ -2,11 +2,10 @@
 
 from typing import Final
 
-from sqlalchemy import delete
-
 from app.database.unit_of_work import unit_of_work
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import SessionEvent
+from app.recordings.repository import replace_events
 from estimators.calibration import JUDGED
 from estimators.pipelines import SessionSetup
 
@@ -25,19 +24,13 @@ def report_worn(context: JobContext, setup: SessionSetup, at_s: float) -> None:
         Session time of the end of the pose.
     """
     reasons = () if setup.calibration is None else setup.calibration.reasons
+    events = [
+        SessionEvent(session_id=context.session_id, kind=EVENT, time_s=max(0.0, at_s), text=reason)
+        for reason in reasons
+        if getattr(reason, "code", "") in JUDGED
+    ]
     with unit_of_work(context.engine) as session:
-        session.execute(
-            delete(SessionEvent).where(
-                SessionEvent.session_id == context.session_id, SessionEvent.kind == EVENT
-            )
-        )
-        for reason in reasons:
-            if getattr(reason, "code", "") in JUDGED:
-                session.add(
-                    SessionEvent(
-                        session_id=context.session_id, kind=EVENT, time_s=max(0.0, at_s), text=reason
-                    )
-                )
+        replace_events(session, context.session_id, EVENT, events)
 
 
 __all__ = ["EVENT", "report_worn"]

@@ -239,7 +239,8 @@ def _contradicted(found: Calibration, seen: _Seen, shared: Sequence[Placement]) 
     for one in (*seen.wrong_joints, *aside):
         reasons.append(_objection(one, one in aside, _suspects(found, shared, one.hinge.upper)))
         doubted |= _limb(one.hinge.upper, found)
-    trunk: Placement = "sternum" if "sternum" in found.q_sensor_segment else "pelvis"
+    # Arms are judged from the chest alone.
+    trunk: Placement = "sternum"
     if any(arm.is_of_trunk for arm in seen.wrong_arms):
         reasons.append(say("placement.trunk_backward", where=[trunk]))
         doubted.add(trunk)

@@ -8,7 +8,7 @@ import pytest
 
 from estimators import rotation
 from estimators.arm.published import elbow_from_angles
-from estimators.calibration import Calibration, Postures, judged_by_movement
+from estimators.calibration import Calibration, Postures, judged_by_movement, raisings
 from estimators.conventions import SIDES, Placement
 from estimators.recording import Float
 from estimators.simulation._sensors import outward_mounting
@@ -180,3 +180,13 @@ def test_a_chest_sensor_without_compass_is_doubted_by_a_deep_bow() -> None:
 def test_what_movements_measured_is_left_alone() -> None:
     known = replace(by_pose(RIGHT, math.pi), method="functional")
     assert judged_by_movement(known, seen(moves(RIGHT), math.pi)) is known
+
+
+def test_an_arm_is_judged_from_the_chest_and_not_from_the_pelvis() -> None:
+    """Held sideways while the chest turns by 50 degrees over the pelvis, an arm seems to be behind the pelvis."""
+    sideways = rotation.exp(np.array([-math.radians(90.0), 0.0, 0.0]))
+    upper = rotation.multiply(rotation.about_z(-math.radians(50.0)), sideways)
+    q = np.tile(np.stack((np.array([1.0, 0.0, 0.0, 0.0]), upper)), (100, 1, 1))
+    (of_chest,) = raisings(("sternum", "upper_arm_right"), q, STEP_S)
+    assert of_chest.is_wrong
+    assert raisings(("pelvis", "upper_arm_right"), q, STEP_S) == ()

@@ -10,6 +10,7 @@ import pytest
 
 from estimators import rotation, signals
 from estimators.calibration import RecordingCheck, check_recording
+from estimators.calibration.plausibility.pace import Moved, pace_of
 from estimators.errors import ShapeError
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
@@ -400,3 +401,14 @@ def test_a_mark_of_clipping_counts_for_the_triad_that_has_a_level():
     # Without a level of either, the mark must be the gyroscope's: an accelerometer is seen to be cut off.
     free = replace(swings, quality=swings.quality | marked)
     assert [f.code for f in check_recording(free, ["arm"])] == ["gyroscope_clipped"]
+
+
+@pytest.mark.parametrize(("turns_as_far", "expected"), [(0.0, 1.0), (1.0, 1.0), (2.0, 2.0)])
+def test_no_pace_is_named_that_only_leaves_the_gyroscope_out(turns_as_far, expected):
+    rate = np.zeros((3, 120, 3))
+    rate[:, :, 0] = 1.0
+    angle = turns_as_far * (np.arange(120) + 0.5) * 0.05
+    up = np.stack([np.zeros(120), np.sin(angle), np.cos(angle)], axis=1)
+    gravity = Moved(rate, np.tile(up, (3, 1, 1)))
+    nothing = Moved(np.zeros((0, 120, 3)), np.zeros((0, 120, 3)))
+    assert pace_of(gravity, nothing, 0.05, np.array([1e3, 0.0])) == pytest.approx(expected, rel=0.02)
