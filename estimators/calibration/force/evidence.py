@@ -37,11 +37,13 @@ class ForceEvidence:
         self._found: ForceErrors | None = None
         self._is_new = False
 
-    def add(self, rate: Float, force: Float, time_step_s: float) -> None:
-        """Take a stretch, each shape (N, 3)."""
+    def add(
+        self, rate: Float, force: Float, time_step_s: float, is_bridged: NDArray[np.bool_] | None = None
+    ) -> None:
+        """Take a stretch, each shape (N, 3), and which of its samples are interpolated, shape (N,); see `cut`."""
         if self._is_over:
             return
-        pieces = cut(rate, force, time_step_s)
+        pieces = cut(rate, force, time_step_s, is_bridged)
         if pieces is None:
             return
         self._seen += len(pieces.rate)

@@ -32,6 +32,12 @@ the accelerometer (6), the lever about a joint (3), and the delay of the acceler
 SIZE: Final = ERRORS + BESIDE + 3
 """Last comes gravity in the axes that the sensor had at the beginning of the window."""
 _UNDRAWN: Final = 3
+_LONGEST_STEP_S: Final = 0.1
+"""Below 10 Hz a sensor turns and turns back between two samples."""
+_MOST_BRIDGED: Final = 0.1
+"""Of the samples of a window: samples that were not measured say nothing of a device."""
+_ON_LINE: Final = 1e-4, 1e-6
+"""Of what changes around it and of its size: no measured sample lies nearer to the line through its neighbours."""
 STILL: Final = 1e-3
 """Variance of the direction of force below which a window is a rest: two degrees."""
 
@@ -105,7 +111,9 @@ class Windows:
         )
 
 
-def cut(rate: Float, force: Float, time_step_s: float) -> Cut | None:
+def cut(
+    rate: Float, force: Float, time_step_s: float, is_bridged: NDArray[np.bool_] | None = None
+) -> Cut | None:
     """Cut a stretch of readings.
 
     Parameters
@@ -113,12 +121,21 @@ def cut(rate: Float, force: Float, time_step_s: float) -> Cut | None:
     rate, force : ndarray, shape (N, 3)
         rad/s and m/s^2, sensor axes; NaN where a sample is missing: its window is left out.
     time_step_s : float
+    is_bridged : ndarray of bool, shape (N,), optional
+        Samples that were interpolated across a gap.
 
     Returns
     -------
     Cut or None
-        Windows of 6 s one after the other; one of the whole stretch if that is shorter, None below 2 s.
+        Windows of 6 s one after the other; one of the whole stretch if that is shorter, None below 2 s. Readings of
+        less than 10 Hz are never cut, nor windows of which more than a tenth was interpolated: by us, as slow files are
+        filled up, or by whoever wrote them.
     """
+    if time_step_s > _LONGEST_STEP_S:
+        return None
+    interpolated = _on_lines(np.concatenate((rate, force), axis=1))
+    if is_bridged is not None:
+        interpolated |= is_bridged
     rate, step_s = slowed(rate, time_step_s)
     force, _ = slowed(force, time_step_s)
     length = min(round(_WINDOW_S / step_s), len(force))
@@ -129,7 +146,22 @@ def cut(rate: Float, force: Float, time_step_s: float) -> Cut | None:
     count = len(force) // length
     rate, force = (part[: count * length].reshape(count, length, 3) for part in (rate, force))
     whole = np.isfinite(rate).all(axis=(1, 2)) & np.isfinite(force).all(axis=(1, 2))
+    used = count * length * round(step_s / time_step_s)
+    whole &= interpolated[:used].reshape(count, -1).mean(axis=1) <= _MOST_BRIDGED
     return Cut(rate, force, step_s)[np.asarray(whole)] if whole.any() else None
+
+
+def _on_lines(values: Float) -> NDArray[np.bool_]:
+    """Return which samples, shape (N, C), lie on the line through their neighbours in all that they hold, shape (N,).
+
+    A sensor that lies so still that nothing changes is none of them.
+    """
+    found = np.zeros(len(values), dtype=np.bool_)
+    across = np.abs(values[2:] - values[:-2])
+    apart = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    near = apart <= _ON_LINE[0] * across + _ON_LINE[1] * (1.0 + np.abs(values[1:-1]))
+    found[1:-1] = near.all(axis=1) & (across > 0.0).any(axis=1)
+    return found
 
 
 def summed(windows: Cut) -> Windows:

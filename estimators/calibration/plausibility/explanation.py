@@ -1,6 +1,6 @@
 """Which triad of a sensor is mistaken, and how: the explanation that gravity and field like best, where one fits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ and a half."""
 CERTAIN: Final = 4.5
 """The same before a recording is refused."""
 _LEAST_PACED: Final = 4
-"""Windows that a pace must explain: a jump, as where samples are lost without a word, is in three."""
+"""Windows that a pace must explain to be named: a jump, as where samples are lost without a word, is in three."""
 _NEAR: Final = 1.5
 """Explanations this close to the best cannot be distinguished from it."""
 _COMPLEX: Final = 1.5
@@ -73,7 +73,7 @@ class Explanation:
         return not self.fits and self.gain >= CERTAIN and self.gain_over_silence >= CERTAIN
 
 
-def explain(evidence: Evidence, fastest_radps: float, *, goes_on: bool = False) -> Explanation | None:
+def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     """Return what is wrong with a sensor, or None when the readings as they are do about as well.
 
     Parameters
@@ -82,8 +82,6 @@ def explain(evidence: Evidence, fastest_radps: float, *, goes_on: bool = False) 
     fastest_radps : float
         What the gyroscope reads in the fastest moments: a limb turns neither at a thousandth of a radian a second nor
         at a hundred, and where the readings are ordinary a wrong unit is unlikely.
-    goes_on : bool
-        Of a session that brings more: a pace is named only by several windows.
 
     Notes
     -----
@@ -95,9 +93,9 @@ def explain(evidence: Evidence, fastest_radps: float, *, goes_on: bool = False) 
     plain = float(force[0, 0] + field[0, 0])
     costs, is_ordinary = _costs(force, field, fastest_radps)
     best = min(float(cost.min()) for cost in costs.values())
-    is_enough = not goes_on or evidence.windows.max() >= _LEAST_PACED
-    if is_enough and (at_pace := _pace(evidence, plain, best)) is not None:
-        return at_pace
+    if (at_pace := _pace(evidence, plain, best)) is not None:
+        is_enough = evidence.windows.max() >= _LEAST_PACED
+        return at_pace if is_enough else replace(at_pace, fits=False, pace=1.0)
     if plain - best < DOUBT:
         return None
     near: dict[Triad, tuple[int, int]] = {}

@@ -43,7 +43,7 @@ class Readings:
     """
 
     def __init__(self, name: str, clip_levels: Float | None = None, *, is_corrected: bool = False) -> None:
-        self.name, self.is_corrected = name, is_corrected
+        self.name = name
         self.ticks = self.sound_ticks = 0
         self.is_marked_clipped = False
         self.freeze_s = self.longest_freeze_s = 0.0
@@ -73,8 +73,20 @@ class Readings:
         self.first: dict[str, Float] = {}
         self.changing: dict[str, NDArray[np.bool_]] = {}
 
-    def add(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
-        """Take a stretch, each shape (N, 3)."""
+    def add(
+        self,
+        rate: Float,
+        force: Float,
+        field: Float | None,
+        step_s: float,
+        is_bridged: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Take a stretch, each shape (N, 3); a sample that is not three finite numbers is missing.
+
+        `is_bridged`, shape (N,), says which samples were interpolated across a gap.
+        """
+        rate, force = _whole(rate), _whole(force)
+        field = None if field is None else _whole(field)
         sound = np.array(np.isfinite(rate).all(axis=1) & np.isfinite(force).all(axis=1))
         self.ticks += len(rate)
         self.sound_ticks += int(sound.sum())
@@ -94,7 +106,7 @@ class Readings:
             self.tail = None
         if not sound.any():
             return
-        self.force.add(rate, force, step_s)
+        self.force.add(rate, force, step_s, is_bridged)
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
         about = rate[sound].T @ rate[sound] / int(sound.sum())
@@ -192,6 +204,11 @@ class Readings:
             up, means = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (up, means[sound]))
             self._still_products += np.einsum("ni,nj->ij", up, means) / len(up)
             self._still_count += 1
+
+
+def _whole(values: Float) -> Float:
+    """Return samples, shape (N, 3), with NaN in all axes where one is not finite."""
+    return np.asarray(np.where(np.isfinite(values).all(axis=1, keepdims=True), values, np.nan))
 
 
 def _at_rest(turning: Float) -> tuple[float, float]:

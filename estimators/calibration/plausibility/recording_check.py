@@ -123,7 +123,13 @@ class RecordingCheck:
         for s, sensor in enumerate(self._sensors):
             sensor.add_freezes(None if lost is None else lost[s], chunk.time_step_s)
             field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
-            sensor.add(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, chunk.time_step_s)
+            sensor.add(
+                chunk.gyroscope_radps[s],
+                chunk.accelerometer_mps2[s],
+                field,
+                chunk.time_step_s,
+                (chunk.quality[s] & SampleQuality.BRIDGED) != 0,
+            )
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
 
     def interrupt(self) -> None:
@@ -221,7 +227,7 @@ class _Verdict:
         is_field_alive = self._field()
         self._clips()
         readings = self.readings
-        explanation = explain(readings.evidence, readings.fastest_radps, goes_on=not readings.is_corrected)
+        explanation = explain(readings.evidence, readings.fastest_radps)
         if is_rate_alive:
             self._unit_of_rate(explanation)
             is_of_axes = explanation is not None and explanation.scale == explanation.pace == 1.0

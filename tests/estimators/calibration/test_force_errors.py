@@ -68,6 +68,43 @@ def test_errors_are_found_where_the_sensor_was_held_in_many_attitudes():
     assert errors.tilt_rad > 10.0 * errors.tilt_sigma_rad
 
 
+@pytest.mark.parametrize("rate_hz", [1.0, 5.0, 9.0])
+def test_what_was_filled_up_corrects_nothing(rate_hz):
+    """Below 10 Hz files are filled up on the lines between their samples, or come as they are."""
+    rate, force = held(1, 12)
+    force = delivered(1, force)[0]
+    time_s = STEP_S * np.arange(len(rate))
+    at_s = np.arange(0.0, time_s[-1], 1.0 / rate_hz)
+    slow_rate, slow_force = (
+        np.stack([np.interp(at_s, time_s, values[:, axis]) for axis in range(3)], axis=1)
+        for values in (rate + 0.01 * np.random.default_rng(1).normal(size=rate.shape), force)
+    )
+    as_it_is = ForceEvidence(keeps_readings=True)
+    as_it_is.add(slow_rate, slow_force, 1.0 / rate_hz)
+    assert as_it_is.errors is None
+    count = int(np.ceil(20.0 / rate_hz))
+    filled_s = np.arange(0.0, at_s[-1], 1.0 / rate_hz / count)
+    filled = ForceEvidence(keeps_readings=True)
+    filled.add(
+        *(
+            np.stack([np.interp(filled_s, at_s, values[:, axis]) for axis in range(3)], axis=1)
+            for values in (slow_rate, slow_force)
+        ),
+        1.0 / rate_hz / count,
+    )
+    assert filled.errors is None
+
+
+def test_windows_with_long_bridges_are_no_evidence_and_those_of_single_ones_are():
+    rate, force = held(1, 8)
+    force = delivered(1, force)[0]
+    rate = rate + np.random.default_rng(1).normal(0.0, 0.003, rate.shape)
+    for every, lasts, is_evidence in ((50, 1, True), (50, 10, False)):
+        evidence = ForceEvidence(keeps_readings=True)
+        evidence.add(rate, force, STEP_S, np.arange(len(rate)) % every < lasts)
+        assert (evidence.errors is not None) == is_evidence
+
+
 def test_the_stated_covariance_covers_the_truth():
     """In few attitudes and in many: normalised squares average at most six, the number of errors, but not far below.
 

@@ -265,7 +265,7 @@ def test_faults_in_a_real_recording_are_named(fault, expected):
     assert [f.code for f in check_recording(fault(chunk), ["box"])] == [expected]
 
 
-def test_a_session_that_goes_on_names_a_pace_only_by_several_windows():
+def test_a_pace_is_named_only_by_several_windows():
     """Where samples are lost without a word, some pace explains the two or three windows that hold the jump."""
     schedule = Schedule(n_pose_s=2.0, settle_s=0.2, pause_s=0.3, repetitions=3)
     made = simulate_arm(ArmScenario(exercise="drinking", placements=ARM, schedule=schedule, seed=2))
@@ -275,7 +275,23 @@ def test_a_session_that_goes_on_names_a_pace_only_by_several_windows():
         live.add(slow.ticks(first, stop))
         named.append([one.code for one in live.findings if one.severity == "refuse"])
     assert named == [[], ["gyroscope_unit"]]
-    assert "gyroscope_unit" in codes(slow.ticks(0, 800))
+    assert codes(slow.ticks(0, 800)) == ["unexplained"]
+    assert codes(slow.ticks(0, 1600)) == ["gyroscope_unit"]
+
+
+def test_infinite_samples_are_missing_samples(sound):
+    def lost(value):
+        def change(values):
+            values[[301, 302, 760], 1] = value
+            values[303] = -value
+            return values
+
+        changes = dict.fromkeys(("gyroscope_radps", "accelerometer_mps2", "magnetometer_t"), change)
+        return only(sound, **changes)
+
+    infinite = lost(np.inf)
+    assert codes(infinite) == codes(lost(np.nan)) == []
+    assert codes(only(infinite, gyroscope_radps=lambda rate: np.degrees(rate))) == ["gyroscope_unit"]
 
 
 def test_a_gyroscope_57_times_too_small_does_not_hide_its_own_movement():
