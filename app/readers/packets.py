@@ -208,16 +208,20 @@ def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32],
     values = np.zeros((sensors[0].time_s.size, len(sensors), width), dtype="<f4")
     for row, sensor in enumerate(sensors):
         inertial = np.concatenate([sensor.gyroscope_radps, sensor.accelerometer_mps2], axis=1)
-        inertial[~np.isfinite(inertial).all(axis=1)] = 0.0
-        values[:, row, _INERTIAL] = inertial
+        values[:, row, _INERTIAL] = _or_nothing(inertial)
         if sensor.magnetometer_t is not None:
-            values[:, row, _FIELD] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
+            values[:, row, _FIELD] = _or_nothing(sensor.magnetometer_t)
     mask = int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
     warmth = [sensor.temperature_degc for sensor in sensors if sensor.temperature_degc is not None]
     if len(warmth) < len(sensors) or not np.isfinite(warmth).all():
         return values, mask
     column = np.stack(warmth, axis=1)[..., np.newaxis].astype("<f4")
     return np.concatenate([values, column], axis=2), mask | int(Channel.TEMPERATURE)
+
+
+def _or_nothing(samples: Float) -> Float:
+    """Return samples, shape (N, C), with zeros for those that are not finite in all they hold."""
+    return np.asarray(np.where(np.isfinite(samples).all(axis=1, keepdims=True), samples, 0.0))
 
 
 def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple[int, int]]:

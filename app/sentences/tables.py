@@ -95,6 +95,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.slow": "{rate_hz:hz.1} are less than the {least_hz:hz} that orientation needs: what turns between two samples"
     " is not seen. The angles hold for slow movement only; of faster movement they are wrong by more than the stated"
     " uncertainty.",
+    "table.no_field": "{where:place}: the magnetometer is not used; there are no numbers in {columns:and}.",
     "table.iron": "{where:place}: the compass was never calibrated. Iron of {field_t:ut} on the device was found by its"
     " turning and is taken out.",
     "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"

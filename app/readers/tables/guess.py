@@ -93,6 +93,9 @@ def guess_of_head(
     missing += time.missing
     known = [_with_unit(body, one, triples, time, notes, missing) for one in triples]
     triples = [one for one in known if one is not None]
+    if len(triples) < len(known):
+        # Magnetometers all or none.
+        triples = [one for one in triples if one.quantity != "magnetometer"]
     signals, chosen = _placed(triples, name, pipeline, notes, missing)
     mapping = {
         "time_column": time.column,
@@ -129,10 +132,13 @@ def _with_unit(
     missing: list[Sentence],
 ) -> Triple | None:
     """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out."""
-    if one.unit:
-        return one
     mine = body.of_rows(one.rows)
     values = mine.numbers(*one.columns)
+    if one.quantity == "magnetometer" and not np.isfinite(values).all(axis=1).any():
+        notes.append(say("guess.left_out", columns=list(one.columns)))
+        return None
+    if one.unit:
+        return one
     if one.quantity == "accelerometer":
         unit = accelerometer_unit(values)
         if not unit:

@@ -73,6 +73,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     },
     "file.averaged_down": "{from_hz:hz} sind mehr, als Bewegung braucht: Ausgewertet werden die Mittel von je"
     " {count:number} Messwerten, mit {rate_hz:hz}.",
+    "table.no_field": "{where:place}: Das Magnetometer wird nicht verwendet; in {columns:and} stehen keine Zahlen.",
     "table.iron": "{where:place}: Der Kompass wurde nie kalibriert. Eisen von {field_t:ut} am Gerät wurde aus seinen"
     " Drehungen gefunden und abgezogen.",
     "table.not_a_number_in_line": "Zeile {line:number}: Der Wert in der Spalte {column} ist keine Zahl; die Spalten der"

@@ -130,3 +130,47 @@ def test_a_guessed_recording_is_estimated(tmp_path):
     )
     assert done.exit_code == 0, done.exception
     assert (tmp_path / "out" / "frames.parquet").exists()
+
+
+def _with_field(folder, field):
+    """Write a table of one sensor with a magnetometer, and return its path; `field`: what a row holds of that."""
+    names = [f"{quantity}_{axis} [{unit}]" for quantity, unit in UNITS.items() for axis in "xyz"]
+    rows = [
+        [
+            f"{k / 100}",
+            *(f"{0.1 * np.sin(k / n)}" for n in (9, 10, 11)),
+            "0",
+            "0.1",
+            f"{9.8 + k % 3}",
+            *field(k),
+        ]
+        for k in range(400)
+    ]
+    path = folder / "field.csv"
+    path.write_text("\n".join(",".join(row) for row in [["time", *names], *rows]) + "\n")
+    return path
+
+
+UNITS = {"gyr": "rad/s", "acc": "m/s^2", "mag": "uT"}
+
+
+def test_a_magnetometer_without_numbers_on_an_axis_is_none_and_that_is_said(tmp_path):
+    path = _with_field(tmp_path, lambda k: [f"{20 + k % 5}", "", ""])
+    guess = guess_of_head(head_of_file(path))
+    assert {one["quantity"] for one in guess.mapping["signals"]} == {"gyroscope", "accelerometer"}
+    assert "guess.left_out" in codes(guess.notes)
+    whole = guess_of_head(head_of_file(_with_field(tmp_path, lambda k: ["20", "1", f"-4{k % 5}"]))).mapping
+    path = _with_field(tmp_path, lambda k: [f"{20 + k % 5}", "", ""])
+    found = readers.read(path, "csv", CsvMapping.model_validate(whole))
+    assert found.sensors["imu"].magnetometer_t is None
+    (said,) = [one for one in found.notes if one.code == "table.no_field"]
+    assert said.parameters["columns"] == ["mag_y [uT]", "mag_z [uT]"]
+
+
+@pytest.mark.parametrize("lost", ["", "inf"])
+def test_a_field_that_lacks_an_axis_is_stored_as_none(tmp_path, lost):
+    path = _with_field(tmp_path, lambda k: ["20", "1", lost if k % 7 == 0 else f"-4{k % 5}"])
+    mapping = CsvMapping.model_validate(guess_of_head(head_of_file(path)).mapping)
+    stored = readers.packets_of(readers.read(path, "csv", mapping), any_name=True).as_stored()
+    there = np.isfinite(stored.sensors["imu"].magnetometer_t)
+    np.testing.assert_array_equal(there, np.repeat((np.arange(400) % 7 != 0)[:, None], 3, axis=1))

@@ -61,6 +61,10 @@ class TableSensors:
         found = {"gyroscope": signals.gyroscope_radps, "accelerometer": signals.accelerometer_mps2}
         if signals.magnetometer_t is not None:
             found["magnetometer"] = signals.magnetometer_t
+        if signals.magnetometer_t is not None and not np.isfinite(signals.magnetometer_t).all(axis=1).any():
+            self.notes.append(self._without_field(placement, quantities["magnetometer"]))
+            quantities = {name: one for name, one in quantities.items() if name != "magnetometer"}
+            del found["magnetometer"]
         self._check(placement, quantities, found, float(np.median(np.diff(signals.time_s))))
         return replace(signals, magnetometer_t=found.get("magnetometer"))
 
@@ -100,6 +104,12 @@ class TableSensors:
                 else:
                     found[name] = self._without_iron(placement, found[name])
                     check_magnetometer(found[name], one.unit, placement)
+
+    def _without_field(self, placement: str, one: CsvColumn) -> Sentence:
+        """Return the sentence about a magnetometer of which no sample has three numbers."""
+        is_there = np.isfinite(self._values(one))
+        empty = [name for axis, name in enumerate(one.columns) if not is_there[:, axis].any()]
+        return say("table.no_field", where=placement, columns=empty or list(one.columns))
 
     def _without_iron(self, placement: str, field_t: Float) -> Float:
         """Take iron out of a compass that was never calibrated, where its size cannot be the earth's field."""
