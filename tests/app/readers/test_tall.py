@@ -210,3 +210,41 @@ def test_a_table_without_all_axes_says_what_it_holds(tmp_path):
     path = written(tmp_path, "time,channel,value", rows_of(VALUES, STAMPS, SIGNALS[:4]))
     (said,) = [one for one in guess_of(path).missing if one.code.startswith("guess.tall")]
     assert said.parameters["values"] == ["gyr_x", "gyr_y", "gyr_z", "acc_x"]
+
+
+def lossy(share, seed=1):
+    """Return rows of which each value may be lost by itself."""
+    rng = np.random.default_rng(seed)
+    return [row for row in rows_of() if rng.random() >= share]
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1])
+def test_a_lost_value_moves_no_other_to_another_sample(tmp_path, share):
+    found, _ = read(written(tmp_path, "time,channel,value", lossy(share)))
+    signals = found.sensors["imu"]
+    place = np.round(100.0 * signals.time_s).astype(int) + int(np.round(100.0 * (TIME_S[0])))
+    for values, true in ((signals.gyroscope_radps, GYROSCOPE), (signals.accelerometer_mps2, FORCE)):
+        there = np.isfinite(values)
+        assert there.mean() > 0.9 - share
+        np.testing.assert_allclose(values[there], true[place][there], atol=2e-5)
+
+
+@pytest.mark.parametrize("is_apart", [False, True])
+def test_first_values_with_the_stamp_of_the_one_before_are_of_their_own_sample(tmp_path, is_apart):
+    """Of some samples, two of them in a row, as a driver writes them that stamps on arrival."""
+    late = {40, 41, 90, 160, 300, 301, 420}
+    rows = []
+    for k, one in enumerate(rows_of(VALUES, STAMPS, SIGNALS[:6])):
+        sample, at = divmod(k, 6)
+        stamp = f"{TIME_S[sample] + (0.004 if is_apart and at > 2 else 0.0):.3f}"
+        is_late = sample in late and at == (3 if is_apart else 0)
+        rows.append([rows[-1][0] if is_late else stamp, *one[1:]])
+    found, _ = read(written(tmp_path, "time,channel,value", rows))
+    signals = found.sensors["imu"]
+    np.testing.assert_allclose(signals.gyroscope_radps, GYROSCOPE[:N], rtol=2e-6, atol=2e-6)
+    if not is_apart:
+        is_as_measured(signals)
+        return
+    assert np.isfinite(signals.accelerometer_mps2[1:]).all()
+    between = 0.4 * FORCE[: N - 1] + 0.6 * FORCE[1:N]
+    np.testing.assert_allclose(signals.accelerometer_mps2[1:], between, atol=1e-4)

@@ -5,6 +5,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from app.readers.tables.tall.late import with_late
+
 _SHARED: Final = 0.3
 """Of the rows stand at the time of the row before, where values of one sample share a stamp."""
 _COARSE: Final = 0.3
@@ -88,27 +90,11 @@ def places(
             begins[1:] |= quantity[signal[1:]] != quantity[signal[:-1]]
         at = np.cumsum(begins)
     if order == "stamps":
-        at = _with_late(at, signal, quantity)
+        at = with_late(at, signal, quantity)
     # What comes again at one time is of the next sample.
     number = _number_in(at, signal)
     both = np.stack([at, number], axis=1)
     return np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
-
-
-def _with_late(
-    at: NDArray[np.intp], signal: NDArray[np.intp], quantity: NDArray[np.intp]
-) -> NDArray[np.intp]:
-    """Return the samples, those values moved to the next one that have the stamp of the one before and lack there."""
-    several, sorts = int(signal.max()) + 1, int(quantity.max()) + 2
-    of, alike = quantity[signal] + 1, np.bincount(quantity + 1, minlength=sorts)
-    # A quantity that is whole at its time has nothing late, unless a value comes again.
-    axes = np.bincount(at * sorts + of, minlength=(int(at.max()) + 2) * sorts).reshape(-1, sorts)
-    is_odd = (axes[at, of] != alike[of]) & (axes[at + 1, of] > 0) & (axes[at + 1, of] < alike[of])
-    is_lacking = ~np.isin((at + 1) * several + signal, at * several + signal)
-    is_last = np.ones(at.size, dtype=np.bool_)
-    # Only what stands behind all that has its time right.
-    is_last[:-1] = (at[1:] != at[:-1]) | (of[1:] == of[:-1])
-    return np.asarray(at + (is_odd & is_lacking & is_last))
 
 
 def _number_in(place: NDArray[np.intp], signal: NDArray[np.intp]) -> NDArray[np.intp]:
