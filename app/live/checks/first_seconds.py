@@ -10,7 +10,7 @@ import numpy as np
 
 from app.errors import Unavailable
 from app.live.checks.live_words import in_live_words
-from app.live.checks.plausibility import Check, check
+from app.live.checks.plausibility import Check, Known, check
 from app.live.checks.recent import LATE_TICKS, RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
 from estimators.recording import Float, ImuChunk
@@ -106,9 +106,9 @@ class FirstSeconds:
         self._from_tick = NOTHING
         """First tick not looked at yet; it may have left the ring."""
         self._is_interrupted = False
-        self._state = RecordingCheck(self._names, hemisphere, clip_levels)
+        self._known = Known.of(RecordingCheck(self._names, hemisphere, clip_levels))
         self._gone: set[str] = set()
-        self._known: dict[tuple[str, str], Finding] = {}
+        self._told: dict[tuple[str, str], Finding] = {}
         self._current: list[Finding] = []
         self._next_s = FIRST_CHECK_S
         self._checking: asyncio.Task[float | None] | None = None
@@ -127,7 +127,7 @@ class FirstSeconds:
         """Watch a sensor anew: it was away, and may have come back as another one."""
         self._gone.add(name)
         self._next_s = 0.0
-        self._known = {subject: found for subject, found in self._known.items() if found.sensor != name}
+        self._told = {subject: found for subject, found in self._told.items() if found.sensor != name}
         self._current = [found for found in self._current if found.sensor != name]
         self._from_tick = NOTHING
 
@@ -153,7 +153,7 @@ class FirstSeconds:
             return
         if is_late and not self._is_interrupted:
             # Others have had the turn for so long that samples between this check and the last are gone.
-            self._state.interrupt()
+            self._known = Known(self._known.interrupted, self._known.interrupted)
             self._is_interrupted = True
         if self._turns is not None and not self._turns.begin():
             return
@@ -177,18 +177,17 @@ class FirstSeconds:
     async def _check(self, newest: ImuChunk, end_s: float) -> float | None:
         """Check, tell what is new and return what it cost; None when it failed."""
         gone, self._gone = self._gone, set()
-        for name in gone:
-            self._state.forget(name)
         try:
-            checked = await asyncio.to_thread(self._work, self._state, newest)
+            checked = await asyncio.to_thread(self._work, self._known.whole, newest, gone)
         except Unavailable:
             # The service is stopping.
             return None
         except Exception:
             # A check that fails must not end the session.
             logger.exception("the readings could not be checked")
+            self._gone |= gone
             return None
-        self._state = checked.state
+        self._known = checked.known
         if self._clipped is not None:
             levels = checked.clip_levels
             levels[[name in self._gone for name in self._names]] = np.inf
@@ -197,14 +196,14 @@ class FirstSeconds:
             in_live_words(finding) for finding in checked.findings if finding.sensor not in self._gone
         ]
         new = [finding for finding in self._current if self._is_new(finding)]
-        self._known |= {finding.subject: finding for finding in new}
+        self._told |= {finding.subject: finding for finding in new}
         if new:
             self._tell(new, end_s)
         return checked.cost_s
 
     def _is_new(self, finding: Finding) -> bool:
         """At rest a unit is only doubted: that it is wrong, as the movement shows, is new."""
-        known = self._known.get(finding.subject)
+        known = self._told.get(finding.subject)
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
 
 

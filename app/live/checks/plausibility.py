@@ -2,18 +2,22 @@
 
 A check of 17 sensors takes a tenth of a second of plain Python. In a thread of the service it would hold the
 interpreter that frames need; so it runs in a process of its own, of low priority and bounded memory.
+
+What a check knows of a stream are hundreds of small arrays a sensor. The service holds them as the bytes in which they
+come and go: unpacked there, each check would take time from the frames and leave gaps in the memory.
 """
 
 import logging
 import multiprocessing
 import os
+import pickle
 import resource
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Self
 
 from app.errors import Unavailable
 from app.sentences import say
@@ -27,13 +31,35 @@ MEMORY_BYTES: Final = 4 << 30
 """Address space of the process: what it imports takes one gigabyte of it, a check some megabytes."""
 
 
+class Known(NamedTuple):
+    """What is known of a stream, for its next check.
+
+    Attributes
+    ----------
+    whole : bytes
+        A packed `RecordingCheck`.
+    interrupted : bytes
+        The same after its `interrupt`, a fraction of the size: for a stretch that does not follow at once.
+    """
+
+    whole: bytes
+    interrupted: bytes
+
+    @classmethod
+    def of(cls, check: RecordingCheck) -> Self:
+        """Pack a check, which is interrupted by it."""
+        whole = pickle.dumps(check, pickle.HIGHEST_PROTOCOL)
+        check.interrupt()
+        return cls(whole, pickle.dumps(check, pickle.HIGHEST_PROTOCOL))
+
+
 class Checked(NamedTuple):
     """What a check found.
 
     Attributes
     ----------
-    state : RecordingCheck
-        What is known of the whole stream now, for the next check.
+    known : Known
+        What is known of the whole stream now.
     findings : list of Finding
     clip_levels : ndarray, shape (S, 2, 2, 3)
         As of `RecordingCheck`.
@@ -41,30 +67,36 @@ class Checked(NamedTuple):
         Processor time that it took.
     """
 
-    state: RecordingCheck
+    known: Known
     findings: list[Finding]
     clip_levels: Float
     cost_s: float
 
 
-Check = Callable[[RecordingCheck, ImuChunk], Checked]
+Check = Callable[[bytes, ImuChunk, Collection[str]], Checked]
 
 
-def check(state: RecordingCheck, chunk: ImuChunk) -> Checked:
+def check(known: bytes, chunk: ImuChunk, gone: Collection[str] = ()) -> Checked:
     """Look for readings that cannot be right.
 
     Parameters
     ----------
-    state : RecordingCheck
-        Of what came before; it is added to.
+    known : bytes
+        Of what came before: one of `Known`.
     chunk : ImuChunk
         What came since.
+    gone : collection of str
+        Sensors to begin anew with.
     """
     began_s = time.thread_time()
+    state: RecordingCheck = pickle.loads(known)  # noqa: S301 - a check of this service packed it
+    for name in gone:
+        state.forget(name)
     state.add(chunk)
     # A sensor that sends nothing is reported as lost by the health of the link.
     found = [finding for finding in state.findings if finding.code != "no_data"]
-    return Checked(state, found, state.clip_levels, time.thread_time() - began_s)
+    levels = state.clip_levels
+    return Checked(Known.of(state), found, levels, time.thread_time() - began_s)
 
 
 class CheckProcess:
@@ -79,7 +111,7 @@ class CheckProcess:
         self._lock = threading.Lock()
         self._is_closed = False
 
-    def __call__(self, state: RecordingCheck, chunk: ImuChunk) -> Checked:
+    def __call__(self, known: bytes, chunk: ImuChunk, gone: Collection[str] = ()) -> Checked:
         """Have a stretch checked; waits, so call it in a thread.
 
         Raises
@@ -98,7 +130,7 @@ class CheckProcess:
                 )
             pool = self._pool
         try:
-            return pool.submit(check, state, chunk).result()
+            return pool.submit(check, known, chunk, gone).result()
         except (RuntimeError, CancelledError) as error:
             with self._lock:
                 if self._is_closed:
@@ -147,4 +179,4 @@ def _begin() -> None:
     threading.Thread(target=leave_with_parent, name="leave-with-parent", daemon=True).start()
 
 
-__all__ = ["Check", "CheckProcess", "Checked", "check"]
+__all__ = ["Check", "CheckProcess", "Checked", "Known", "check"]

@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from app.errors import Unavailable
-from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check
+from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, Known, check
 from estimators.calibration import RecordingCheck
 from estimators.recording import ImuChunk
 from tests.patience import PATIENCE_S
 
 NAMES = ("upper_arm_right", "forearm_right")
+NOTHING = Known.of(RecordingCheck(NAMES)).whole
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +55,12 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
     process: CheckProcess, in_g: ImuChunk
 ) -> None:
     assert process.process_ids == [], "it costs nothing before the first check"
-    found = process(RecordingCheck(NAMES), in_g)
-    assert found.findings == check(RecordingCheck(NAMES), in_g).findings
+    found = process(NOTHING, in_g)
+    assert found.findings == check(NOTHING, in_g).findings
     assert [finding.code for finding in found.findings] == ["accelerometer_unit"]
     assert found.cost_s > 0.0
     later = replace(in_g, first_tick=in_g.tick_count)
-    assert process(found.state, later).findings == found.findings, "what was known is not forgotten"
+    assert process(found.known.whole, later).findings == found.findings, "what was known is not forgotten"
     (pid,) = process.process_ids
     assert pid != os.getpid()
     assert os.getpriority(os.PRIO_PROCESS, pid) == min(19, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
@@ -70,11 +71,11 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
 
 def test_a_check_under_way_when_the_service_stops_has_not_failed(in_g: ImuChunk) -> None:
     process = CheckProcess()
-    process(RecordingCheck(NAMES), in_g)
+    process(NOTHING, in_g)
     (pid,) = process.process_ids
     os.kill(pid, signal.SIGSTOP)
     with ThreadPoolExecutor(1) as thread:
-        checking = thread.submit(process, RecordingCheck(NAMES), in_g)
+        checking = thread.submit(process, NOTHING, in_g)
         while not checking.running():
             time.sleep(0.01)
         time.sleep(0.1)
@@ -85,16 +86,16 @@ def test_a_check_under_way_when_the_service_stops_has_not_failed(in_g: ImuChunk)
 
 
 def test_it_comes_back_when_it_has_died_and_ends_for_good(process: CheckProcess, in_g: ImuChunk) -> None:
-    process(RecordingCheck(NAMES), in_g)
+    process(NOTHING, in_g)
     (first,) = process.process_ids
     os.kill(first, signal.SIGKILL)
     assert is_gone(first)
     with pytest.raises(BrokenProcessPool):
-        process(RecordingCheck(NAMES), in_g)
-    assert process(RecordingCheck(NAMES), in_g).findings
+        process(NOTHING, in_g)
+    assert process(NOTHING, in_g).findings
     (second,) = process.process_ids
     assert second != first
     process.close()
     assert is_gone(second)
     with pytest.raises(Unavailable):
-        process(RecordingCheck(NAMES), in_g)
+        process(NOTHING, in_g)

@@ -1,6 +1,7 @@
 """Readings that cannot be right are told within the first seconds of a stream, once each, and never end it."""
 
 import asyncio
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,11 @@ import pytest
 from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
 from app.live.checks.live_words import _WORDS
-from app.live.checks.plausibility import check
+from app.live.checks.plausibility import Checked, check
 from app.sentences import ENGLISH, say
 from app.sentences.german import GERMAN
 from estimators import signals
-from estimators.calibration import Finding, Hemisphere, RecordingCheck
+from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.said import codes
@@ -197,25 +198,48 @@ def test_checks_of_all_sessions_together_leave_time_for_frames(monkeypatch):
 def test_who_waits_for_the_turn_longer_than_samples_are_held_holds_no_more_than_it_needs(
     sound: ImuChunk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    interrupted: list[int] = []
-    monkeypatch.setattr(RecordingCheck, "interrupt", lambda check: interrupted.append(1))
-
     async def run() -> None:
         turns = CheckTurns()
-        watch = FirstSeconds(ARM, sound.time_step_s, lambda *_: None, turns=turns, work=lambda *_: checked)
-        checked = check(RecordingCheck(ARM), sound.ticks(0, 400))
-        interrupted.clear()
+        watch = FirstSeconds(ARM, sound.time_step_s, lambda *_: None, turns=turns)
         watch.add(sound.ticks(0, 500))
         assert watch._checking is not None
         await watch._checking
+        known = watch._known
+        assert len(known.interrupted) < len(known.whole) / 2
         # The next one is due after twelve seconds; another session has the turn.
         monkeypatch.setattr(turns, "begin", lambda: False)
         held = watch.recent.ticks
         for tick in range(500, 500 + 4 * held, 50):
             watch.add(replace(sound.ticks(0, 50), first_tick=tick))
-            assert len(interrupted) == (tick + 50 > 500 + held)
+            is_late = tick + 50 > 500 + held
+            assert watch._known.whole is (known.interrupted if is_late else known.whole)
 
     asyncio.run(run())
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_sensor_that_was_away_is_begun_anew_with_also_after_a_check_that_failed(
+    sound: ImuChunk, fails: bool
+) -> None:
+    begun: list[set[str]] = []
+
+    def work(known: bytes, chunk: ImuChunk, gone: Collection[str]) -> Checked:
+        begun.append(set(gone))
+        if fails and len(begun) == 1:
+            raise ValueError
+        return check(known, chunk, gone)
+
+    async def run() -> None:
+        watch = FirstSeconds(ARM, sound.time_step_s, lambda *_: None, work=work)
+        watch.restart(ARM[0])
+        for first in (0, 400):
+            watch._next_s = 0.0
+            watch.add(sound.ticks(first, first + 400))
+            assert watch._checking is not None
+            await watch._checking
+
+    asyncio.run(run())
+    assert begun == [{ARM[0]}, {ARM[0]} if fails else set()]
 
 
 def test_a_report_that_fails_does_not_end_the_checks_of_others(sound: ImuChunk) -> None:
