@@ -7,8 +7,9 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app import logs
 from app.commands.private_folder import make_private
-from app.commands.serve import imported_for_good, listen, run_application, share_arenas
+from app.commands.serve import imported_for_good, listen, run_application
 from app.database.writer_lock import shared_lock
+from app.processes.c_heap import share_arenas
 from app.settings import Settings
 
 OPEN_PATHS: Final = frozenset({"/api/health", "/api/ready", "/metrics"})

@@ -2,12 +2,10 @@
 
 import asyncio
 import contextlib
-import ctypes
 import errno
 import gc
 import logging
 import os
-import platform
 import socket
 import sys
 from collections.abc import Iterator
@@ -22,6 +20,7 @@ from app.database import migrate
 from app.database.writer_lock import WriterLock, writer_lock
 from app.errors import Conflict, InvalidInput
 from app.network.pace import pause_s
+from app.processes.c_heap import gives_back, share_arenas
 from app.settings import Settings
 
 logger = logging.getLogger("telemotion.service")
@@ -29,10 +28,6 @@ logger = logging.getLogger("telemotion.service")
 EXIT_NOT_STARTED: Final = 3
 EXIT_TAKEN_OVER: Final = 4
 _WAITING_CONNECTIONS: Final = 2048
-_ARENA_MAX: Final = -8
-"""`M_ARENA_MAX` of glibc's `malloc.h`."""
-ARENAS: Final = 2
-"""Of a process, unless whoever starts it says otherwise."""
 
 
 def serve(host: str, port: int) -> None:
@@ -126,17 +121,6 @@ def imported_for_good() -> Iterator[None]:
             gc.enable()
 
 
-def share_arenas() -> None:
-    """Let the C library's `malloc` have few arenas, where it is glibc's; before threads begin.
-
-    Else most threads have one of their own, and what one of them has freed the others cannot use: a process that lives
-    for months grows by the gaps in each.
-    """
-    is_said = "MALLOC_ARENA_MAX" in os.environ or "arena_max" in os.environ.get("GLIBC_TUNABLES", "")
-    if platform.libc_ver()[0] == "glibc" and not is_said:
-        ctypes.CDLL(None).mallopt(_ARENA_MAX, ARENAS)
-
-
 class DrainingServer(uvicorn.Server):
     """Sends who is connected away one after the other when it is asked to stop, where there are others to go to.
 
@@ -214,7 +198,7 @@ def run_application(settings: Settings, app: ASGIApp, listener: socket.socket, d
         ),
         drain_s,
     )
-    with contextlib.suppress(KeyboardInterrupt):
+    with gives_back(), contextlib.suppress(KeyboardInterrupt):
         server.run(sockets=[listener])
     if not server.started:
         sys.exit(EXIT_NOT_STARTED)

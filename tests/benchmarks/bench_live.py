@@ -11,8 +11,9 @@ written to the socket, so time in sockets and queues on the way in is included. 
 begins when it has read the packet. On a machine that does other work latencies are upper bounds.
 
 `--mix` is 100 arms, 20 walks with forces under the shoes and 20 magnetic sessions, times `--scale`. `--minutes`
-goes on for longer and prints the service's memory each minute. `--loss 0.05` runs twice: with a sound link, then
-with one that loses packets, which come again a second later, and swaps others; it compares what both cost.
+goes on for longer and prints the service's memory each minute, with the least that it held in it; growth is judged by
+the least. `--loss 0.05` runs twice: with a sound link, then with one that loses packets, which come again a second
+later, and swaps others; it compares what both cost.
 """
 
 import argparse

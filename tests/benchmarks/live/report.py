@@ -20,7 +20,7 @@ LIMIT_SESSION_MB = 4.0
 """Of the service's memory."""
 SETTLED_MINUTES = 3.0
 """What sessions remember of their last minutes is full by then."""
-LIMIT_GROWTH_MB = 1.0
+LIMIT_GROWTH_MB = 0.3
 """Of the service's memory in a minute, after that."""
 
 
@@ -131,7 +131,7 @@ def judge_memory(memory: Memory, sessions: int) -> dict[str, tuple[bool, str]]:
         )
     }
     if np.isfinite(growth):
-        what = f"less than {LIMIT_GROWTH_MB:.0f} MB of growth a minute after minute {SETTLED_MINUTES:.0f}"
+        what = f"less than {LIMIT_GROWTH_MB} MB of growth a minute after minute {SETTLED_MINUTES:.0f}"
         found[what] = (growth < LIMIT_GROWTH_MB, f"{growth:.2f} MB")
     return found
 

@@ -1,7 +1,9 @@
 """What a running service says of itself, and what it holds: metrics, memory, and what it has stored."""
 
+import contextlib
 import re
 import sqlite3
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,6 +14,7 @@ import numpy as np
 import psutil
 
 MB = 1e6
+LOOK_EVERY_S = 0.5
 _LINE = re.compile(r"^telemotion_(\w+)(?:\{\w+=\"(\w+)\"\})? (\S+)$", re.MULTILINE)
 
 
@@ -54,24 +57,41 @@ class Memory:
         Before the first session.
     minutes : list of (minute, MB)
         From the start of measured time on.
+    least : list of (minute, MB)
+        The least that was held in the minute before: what it needs for a moment comes and goes by some megabytes, and
+        is no growth.
     """
 
     process: psutil.Process
     idle_mb: float
     minutes: list[tuple[float, float]] = field(default_factory=list)
+    least: list[tuple[float, float]] = field(default_factory=list)
+    _looked: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        threading.Thread(target=self._look, daemon=True).start()
+
+    def _look(self) -> None:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            while True:
+                self._looked.append(resident_mb(self.process))
+                time.sleep(LOOK_EVERY_S)
 
     def note(self, minute: float) -> None:
-        """Take the memory of now."""
-        self.minutes.append((minute, resident_mb(self.process)))
-        print(f"memory    minute {minute:4.1f}: {self.minutes[-1][1]:7.1f} MB", flush=True)
+        """Take the memory of now, and the least since it was noted before."""
+        looked, self._looked = self._looked, []
+        now = resident_mb(self.process)
+        self.minutes.append((minute, now))
+        self.least.append((minute, min([now, *looked])))
+        print(f"memory    minute {minute:4.1f}: {now:7.1f} MB, least {self.least[-1][1]:7.1f} MB", flush=True)
 
     def a_session_mb(self, sessions: int) -> float:
         """Return the most that a session took."""
         return (max(mb for _, mb in self.minutes) - self.idle_mb) / sessions
 
     def growth_mb(self, settled_minutes: float) -> float:
-        """Return the growth in a minute from then on, by the line through the values; NaN with fewer than three."""
-        found = np.array([one for one in self.minutes if one[0] >= settled_minutes])
+        """Return the growth in a minute from then on, by the line through the least; NaN with fewer than three."""
+        found = np.array([one for one in self.least if one[0] >= settled_minutes])
         return float(np.polyfit(*found.T, 1)[0]) if len(found) >= 3 else np.nan
 
 
