@@ -7,7 +7,12 @@ from typing import Any, Final
 from estimators.calibration import Finding
 from estimators.sentences import Sentence, say
 
-_OF_DEVICE: Final = {"readings.force_without_gravity", "readings.force_unknown", "readings.field_normalised"}
+_OF_DEVICE: Final = {
+    "readings.force_off",
+    "readings.force_unknown",
+    "readings.force_without_gravity",
+    "readings.field_normalised",
+}
 """Remedies that are the device's as they are."""
 
 

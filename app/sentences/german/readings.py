@@ -53,6 +53,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "readings.force_in_feet": "Das sieht nach ft/s² aus: mit 0,3048 malnehmen.",
     "readings.force_in_g": "Das sieht nach g aus: mit 9,80665 malnehmen.",
     "readings.force_in_milli_g": "Das sieht nach mg oder cm/s² aus: mit 0,00980665 oder 0,01 malnehmen.",
+    "readings.force_off": "Seine Skala oder sein Nullpunkt ist falsch, oder Bereich oder Einheit sind andere."
+    " Kalibrieren Sie ihn in sechs Lagen; zeigt er danach dasselbe, prüfen Sie Bereich und Einheit.",
     "readings.force_unknown": "Prüfen Sie Einheit, Bereich und Kalibrierung.",
     "readings.force_without_gravity": "Das Gerät entfernt die Schwerkraft: Stellen Sie es auf rohe"
     " Beschleunigung um.",

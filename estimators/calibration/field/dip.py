@@ -20,6 +20,8 @@ _LEAST_WINDOWS: Final = 3
 _MOST_WINDOWS: Final = 100
 """With so many it is known; a session goes on for hours."""
 _AGREE: Final = 0.8
+_IRON_PRICE: Final = 0.02
+"""Of a window: what is known of iron where nothing turned, over what a window tells that turned about all axes."""
 
 
 class Dip:
@@ -34,7 +36,8 @@ class Dip:
 
     def __init__(self) -> None:
         self._normal, self._right = np.zeros((3, 3)), np.zeros(3)
-        self._windows: list[tuple[Float, Float, Float]] = []
+        self._windows = np.zeros((0, 5, 3), np.float32)
+        """Of each A, and the means of R m and of R f with the specific force f; a live session hands them on."""
 
     def add(self, rate: Float, force: Float, field: Float, time_step_s: float) -> None:
         """Take a stretch of a gyroscope in rad/s, specific force and field, each shape (N, 3)."""
@@ -46,8 +49,9 @@ class Dip:
         if not (size > 0.0 and np.isfinite(field).any()):
             return
         strength = float(np.nanmedian(np.linalg.norm(field, axis=1)))
-        rate = np.nan_to_num(rate - resting_rate(rate, force, size, step_s))
-        for start in turning(field, strength, length, step_s):
+        rate = rate - resting_rate(rate, force, size, step_s)
+        known = np.asarray(np.isfinite(rate).all(axis=1))
+        for start in turning(field, known, strength, length, step_s):
             span = slice(int(start), int(start) + length)
             if not np.isfinite(force[span]).all():
                 continue
@@ -58,7 +62,14 @@ class Dip:
             turned = np.einsum("nij,nj->i", attitude, field[span]) / length
             self._normal += np.eye(3) - middle.T @ middle
             self._right += field[span].mean(axis=0) - middle.T @ turned
-            self._windows.append((middle, turned, np.einsum("nij,nj->i", attitude, force[span]) / length))
+            up = np.einsum("nij,nj->i", attitude, force[span]) / length
+            window = np.concatenate((middle, turned[None], up[None])).astype(np.float32)
+            self._windows = np.concatenate((self._windows, window[None]))
+
+    def iron(self) -> Float:
+        """Return the hard iron that the turning shows, shape (3,), in the unit of the field; zero where none turned."""
+        price = _IRON_PRICE * max(len(self._windows), 1)
+        return np.asarray(np.linalg.solve(self._normal + price * np.eye(3), self._right))
 
     def sine(self) -> float:
         """Return the sine of the angle by which the field points down; NaN while movement does not say it.
@@ -72,10 +83,9 @@ class Dip:
         if np.linalg.eigvalsh(self._normal)[0] < _LEAST_TURNED * len(self._windows):
             return float("nan")
         iron = np.linalg.solve(self._normal, self._right)
-        sines = []
-        for middle, turned, force in self._windows:
-            field = turned - middle @ iron
-            sines.append(-float(force @ field) / float(np.linalg.norm(force) * np.linalg.norm(field)))
+        middle, turned, up = (self._windows[:, rows].astype(np.float64) for rows in (slice(0, 3), 3, 4))
+        field = turned - middle @ iron
+        sines = -(up * field).sum(axis=1) / (np.linalg.norm(up, axis=1) * np.linalg.norm(field, axis=1))
         found = float(np.median(sines))
         agree = float(np.mean(np.sign(sines) == np.sign(found)))
         return found if agree >= _AGREE else float("nan")

@@ -150,8 +150,9 @@ def _fitted(windows: Windows, prior_sigma: Float, prior: Float | None = None) ->
     """Return the most likely unknowns, where each is `prior` within `prior_sigma`."""
     precision = np.diag(prior_sigma**-2.0)
     prior = np.zeros(len(prior_sigma)) if prior is None else prior
+    normal = windows.matrices
     of_shared, to_own_right = windows.right[:, _SHARED], windows.right[:, _OWN]
-    of_both = windows.normal[:, _SHARED[:, None], _OWN]
+    of_both = normal[:, _SHARED[:, None], _OWN]
     count, weight = windows.count, np.ones(len(windows.count))
     gravity = GRAVITY_MPS2 * windows.up[:, 0]
     held = np.zeros((len(count), len(_OWN), len(_OWN)))
@@ -161,11 +162,11 @@ def _fitted(windows: Windows, prior_sigma: Float, prior: Float | None = None) ->
         up = gravity / np.linalg.norm(gravity, axis=1, keepdims=True)
         held[:, 3:, 3:] = np.einsum("wi,wj->wij", up, up) / _GRAVITY_SIGMA_MPS2**2 + 1e-9 * np.eye(3)
         held_right[:, 3:] = GRAVITY_MPS2 / _GRAVITY_SIGMA_MPS2**2 * up
-        of_own = weight[:, None, None] * windows.normal[:, _OWN[:, None], _OWN] + held
+        of_own = weight[:, None, None] * normal[:, _OWN[:, None], _OWN] + held
         across = weight[:, None, None] * of_both
         to_own = np.linalg.solve(of_own, across.transpose(0, 2, 1))
         alone = np.linalg.solve(of_own, (weight[:, None] * to_own_right + held_right)[..., None])[..., 0]
-        each = weight[:, None, None] * windows.normal[:, _SHARED[:, None], _SHARED] - across @ to_own
+        each = weight[:, None, None] * normal[:, _SHARED[:, None], _SHARED] - across @ to_own
         each_right = weight[:, None] * of_shared - np.einsum("wij,wj->wi", across, alone)
         whole = each.sum(axis=0) + precision
         shared = np.linalg.solve(whole, each_right.sum(axis=0) + precision @ prior)
@@ -175,7 +176,7 @@ def _fitted(windows: Windows, prior_sigma: Float, prior: Float | None = None) ->
         x[:, _SHARED] = shared
         x[:, _OWN] += own
         left = windows.square - 2.0 * (x * windows.right).sum(axis=1)
-        left = np.maximum(left + np.einsum("wi,wij,wj->w", x, windows.normal, x), 0.0)
+        left = np.maximum(left + np.einsum("wi,wij,wj->w", x, normal, x), 0.0)
         weight = np.minimum((_FREEDOM + count) / (_FREEDOM + left), 1.0)
     covariance = np.linalg.inv(whole)
     scores = each_right - each @ shared

@@ -31,6 +31,7 @@ BESIDE: Final = 22
 the accelerometer (6), the lever about a joint (3), and the delay of the accelerometer (1)."""
 SIZE: Final = ERRORS + BESIDE + 3
 """Last comes gravity in the axes that the sensor had at the beginning of the window."""
+_ROWS, _COLUMNS = np.triu_indices(SIZE)
 _UNDRAWN: Final = 3
 _LONGEST_STEP_S: Final = 0.1
 """Below 10 Hz a sensor turns and turns back between two samples."""
@@ -74,7 +75,8 @@ class Windows:
 
     Attributes
     ----------
-    normal : ndarray, shape (W, 31, 31)
+    normal : ndarray, shape (W, 496)
+        Upper triangle of the symmetric matrix, row by row.
     right : ndarray, shape (W, 31)
     square : ndarray, shape (W,)
         All relative to what speeds may be; x holds scale errors (3), offset (m/s^2, 3), what is fitted
@@ -99,8 +101,15 @@ class Windows:
         """Return none."""
         nothing = np.zeros(0)
         return Windows(
-            np.zeros((0, SIZE, SIZE)), np.zeros((0, SIZE)), nothing, nothing, np.zeros((0, 3, 3)), nothing
+            np.zeros((0, len(_ROWS))), np.zeros((0, SIZE)), nothing, nothing, np.zeros((0, 3, 3)), nothing
         )
+
+    @property
+    def matrices(self) -> Float:
+        """`normal` as matrices, shape (W, 31, 31)."""
+        whole = np.zeros((len(self.normal), SIZE, SIZE))
+        whole[:, _ROWS, _COLUMNS] = whole[:, _COLUMNS, _ROWS] = self.normal
+        return whole
 
     def __getitem__(self, which: NDArray[np.bool_]) -> "Windows":
         return Windows(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
@@ -208,7 +217,7 @@ def summed(windows: Cut) -> Windows:
     at = [0, blocks * width // 2, blocks * width - 1]
     up = force[:, at] / np.maximum(np.linalg.norm(force[:, at], axis=2, keepdims=True), 1e-9)
     return Windows(
-        sums[:, :SIZE, :SIZE],
+        sums[:, _ROWS, _COLUMNS],
         sums[:, :SIZE, SIZE],
         sums[:, SIZE, SIZE],
         np.full(len(rate), 3.0 * blocks / _ALIKE - _UNDRAWN),

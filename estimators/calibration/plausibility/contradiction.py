@@ -1,7 +1,6 @@
 """How far gravity and field contradict a gyroscope, for every way its axes and its unit may have been mistaken."""
 
 from dataclasses import dataclass, replace
-from dataclasses import field as field_
 from typing import Final
 
 import numpy as np
@@ -27,6 +26,7 @@ _CALM: Final = 0.05
 _REST_SPREAD: Final = 0.02
 _MOST_OFFSET: Final = 0.05
 _MOST_WINDOWS: Final = 24
+_UNITS, _AXES = len(SCALES), len(SIGNED_PERMUTATIONS)
 
 
 @dataclass(frozen=True)
@@ -38,30 +38,38 @@ class Evidence:
     force, field : ndarray, shape (11, 48)
         Sum over windows of the logarithm of what is left when gravity, or the field, is turned back by the gyroscope,
         for each of `SCALES` times each of `SIGNED_PERMUTATIONS` of it: the negative logarithm of a likelihood whose
-        noise is different in each window and nowhere known.
+        noise is different in each window and nowhere known. In single precision: a live session hands them to another
+        process and back with each look.
     unturned : ndarray, shape (2,)
         The same for a gyroscope that says nothing, of force and of field.
-    windows : ndarray of int, shape (2,)
-        In how many windows the force, and the field, turned in the sensor.
-    paced : ndarray, shape (2, 2)
+    windows, stretches : ndarray of int, shape (2,)
+        In how many windows the force, and the field, turned in the sensor, and in how many stretches.
+    prices : ndarray, shape (2, 59)
+        Sums over stretches of how unlikely the offsets are that were fitted: to force, and to field; of each of
+        `SCALES`, and of each mapping in the right unit.
+    paced : ndarray, shape (2, 2, 2)
         The same as in `force` and `field` for a gyroscope that turns `pace` times as far: because samples are that
-        much longer apart, and because its unit or range is another one; of force and of field each.
+        much longer apart, and because its unit or range is another one; of force and of field each; what is left, and
+        the price of offsets.
     pace : float
         1 while the readings fit as they are, or no pace makes them fit.
     """
 
-    force: Float
-    field: Float
+    force: NDArray[np.float32]
+    field: NDArray[np.float32]
     unturned: Float
     windows: NDArray[np.int64]
-    paced: Float = field_(default_factory=lambda: np.zeros((2, 2)))
+    stretches: NDArray[np.int64]
+    prices: NDArray[np.float32]
+    paced: Float
     pace: float = 1.0
 
     @staticmethod
     def nothing() -> "Evidence":
         """Return what is known before anything was seen."""
-        shape = (len(SCALES), len(SIGNED_PERMUTATIONS))
-        return Evidence(np.zeros(shape), np.zeros(shape), np.zeros(2), np.zeros(2, np.int64))
+        nothing, none = np.zeros((_UNITS, _AXES), np.float32), np.zeros(2, np.int64)
+        prices = np.zeros((2, _UNITS + _AXES), np.float32)
+        return Evidence(nothing, nothing, np.zeros(2), none, none, prices, np.zeros((2, 2, 2)))
 
     def __add__(self, other: "Evidence") -> "Evidence":
         return Evidence(
@@ -69,9 +77,26 @@ class Evidence:
             self.field + other.field,
             self.unturned + other.unturned,
             self.windows + other.windows,
+            self.stretches + other.stretches,
+            self.prices + other.prices,
             self.paced + other.paced,
             self.pace if other.pace == 1.0 else other.pace,
         )
+
+    def costs(self) -> tuple[Float, Float]:
+        """Return what force, and field, leave with what the offsets cost, shape (11, 48) each.
+
+        A device has one offset, which is fitted in each stretch anew: it is paid once, not as often as it was seen.
+        """
+        prices = self.prices / np.maximum(self.stretches, 1)[:, None]
+        found = np.stack((self.force, self.field)).astype(np.float64)
+        found[:, 1:, 0] += prices[:, 1:_UNITS]
+        found[:, 0] += prices[:, _UNITS:]
+        return found[0], found[1]
+
+    def paced_costs(self) -> Float:
+        """Return the same at `pace`: of the clock and of the gyroscope, by force and field, shape (2, 2)."""
+        return np.asarray(self.paced[..., 0] + self.paced[..., 1] / np.maximum(self.stretches, 1))
 
 
 def gather(rate: Float, force: Float, field: Float | None, time_step_s: float, pace: float = 1.0) -> Evidence:
@@ -110,49 +135,79 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float, p
         return found
     rate = rate - resting_rate(rate, force, size, step_s)
     length = round(WINDOW_S / step_s)
-    starts = turning(force, size, length, step_s)
+    known = np.asarray(np.isfinite(rate).all(axis=1))
+    starts = turning(force, known, size, length, step_s)
     still = Moved(np.empty((0, length, 3)), np.empty((0, length, 3)))
     of_gravity = of_earth = still
     if len(starts):
         chosen = starts[:, None] + np.arange(length)
         of_gravity = Moved(rate[chosen], force[chosen] / size)
-        left, unturned = of_force(*of_gravity, step_s)
-        found = Evidence(left, found.field, np.array([unturned, 0.0]), np.array([len(starts), 0]))
+        found += _of_one(*of_force(*of_gravity, step_s), len(starts), is_force=True)
     if field is not None:
         field, _ = slowed(field, time_step_s)
         strength = float(np.nanmedian(np.linalg.norm(field, axis=1))) if np.isfinite(field).any() else 0.0
-        starts = turning(field, strength, length, step_s) if strength > 0.0 else starts[:0]
+        starts = turning(field, known, strength, length, step_s) if strength > 0.0 else starts[:0]
         if len(starts):
             chosen = starts[:, None] + np.arange(length)
             of_earth = Moved(rate[chosen], field[chosen] / strength)
-            left, unturned = of_field(*of_earth, step_s)
-            found += Evidence(0.0 * left, left, np.array([0.0, unturned]), np.array([0, len(starts)]))
-    as_they_are = np.array([found.force[0, 0], found.field[0, 0]])
+            found += _of_one(*of_field(*of_earth, step_s), len(starts), is_force=False)
+    as_they_are = _as_they_are(found)
     if pace == 1.0:
-        pace = pace_of(of_gravity, of_earth, step_s, as_they_are)
+        pace = pace_of(of_gravity, of_earth, step_s, as_they_are.sum(axis=1))
     paced = at_pace(of_gravity, of_earth, step_s, pace) if pace != 1.0 else np.stack([as_they_are] * 2)
     return replace(found, paced=paced, pace=pace)
 
 
+def _of_one(left: Float, unturned: float, windows: int, *, is_force: bool) -> Evidence:
+    """Return what one stretch says by force or by field alone."""
+    which, nothing = np.array([is_force, not is_force], dtype=np.int64), Evidence.nothing()
+    sums = left[0].astype(np.float32)
+    prices = np.concatenate((left[1, :, 0], left[1, 0])).astype(np.float32)
+    return replace(
+        nothing,
+        force=sums if is_force else nothing.force,
+        field=nothing.field if is_force else sums,
+        unturned=np.where(which, unturned, 0.0),
+        windows=windows * which,
+        stretches=which,
+        prices=which[:, None].astype(np.float32) * prices,
+    )
+
+
+def _as_they_are(found: Evidence) -> Float:
+    """Return what one stretch leaves of force and field as it is, and the price of offsets, shape (2, 2)."""
+    left = np.array([found.force[0, 0], found.field[0, 0]], dtype=np.float64)
+    return np.stack((left, found.prices[:, _UNITS]), axis=1)
+
+
 def slowed(values: Float, time_step_s: float) -> tuple[Float, float]:
     """Return means of consecutive samples, shape (M, 3), some fifty a second, and the time between them."""
-    width = max(1, round(1.0 / (_RATE_HZ * time_step_s)))
+    width = slowed_by(time_step_s)
     used = len(values) // width * width
     return np.asarray(values[:used].reshape(-1, width, 3).mean(axis=1)), width * time_step_s
 
 
-def turning(direction: Float, calm: float, length: int, step_s: float) -> NDArray[np.int64]:
+def slowed_by(time_step_s: float) -> int:
+    """Return how many samples make one mean; one where they are means already."""
+    return max(1, round(1.0 / (_RATE_HZ * time_step_s)))
+
+
+def turning(
+    direction: Float, known: NDArray[np.bool_], calm: float, length: int, step_s: float
+) -> NDArray[np.int64]:
     """Return where the windows of so many samples begin in which a direction, of usual size `calm`, says most.
 
-    That is: in which it turned much in the sensor and little was added to it.
+    That is: in which it turned much in the sensor and little was added to it, and of which the turn is `known`, shape
+    (N,): a gyroscope that misses samples would seem to stand still there.
     """
     width = max(1, round(_TURNING_S / step_s))
     parts = length // width
     found = []
+    is_whole = known & np.isfinite(direction).all(axis=1)
     for start in range(0, len(direction) - length + 1, round(HOP * length)):
         means = direction[start : start + parts * width].reshape(parts, width, 3).mean(axis=1)
         size = np.linalg.norm(means, axis=1, keepdims=True)
-        whole = bool(np.isfinite(direction[start : start + length]).all()) and bool((size > 0.0).all())
+        whole = bool(is_whole[start : start + length].all()) and bool((size > 0.0).all())
         turned = 1.0 - float(np.sum(np.mean(means / size, axis=0) ** 2)) if whole else 0.0
         if turned > _TURNED:
             sizes = np.linalg.norm(direction[start : start + length], axis=1)
@@ -167,9 +222,11 @@ def resting_rate(rate: Float, force: Float, size: float, step_s: float) -> Float
     pieces = force[: parts * width].reshape(parts, width, 3)
     still = pieces.std(axis=1).max(axis=1, initial=0.0) < _REST_SPREAD * size
     sound = rate[np.isfinite(rate).all(axis=1)]
-    if not still.any() or not len(sound):
+    means = rate[: parts * width].reshape(parts, width, 3).mean(axis=1)
+    still &= np.isfinite(means).all(axis=1)
+    if not still.any():
         return np.zeros(3)
-    offset = np.median(rate[: parts * width].reshape(parts, width, 3)[still].mean(axis=1), axis=0)
+    offset = np.median(means[still], axis=0)
     fastest = float(np.percentile(np.linalg.norm(sound, axis=1), 99.0))
     return np.asarray(offset if np.linalg.norm(offset) < _MOST_OFFSET * fastest else np.zeros(3))
 
@@ -181,5 +238,6 @@ __all__ = [
     "gather",
     "resting_rate",
     "slowed",
+    "slowed_by",
     "turning",
 ]

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.calibration.plausibility.contradiction import Evidence
 from estimators.calibration.plausibility.mistakes import IS_PROPER, SCALES, SIGNED_PERMUTATIONS
@@ -89,7 +90,7 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     as det(P) P in the force alone, which is a rotation whatever P is: a reflected gyroscope differs from it, a
     rotated one only by the field. So with the magnetometer.
     """
-    force, field = evidence.force, evidence.field
+    force, field = evidence.costs()
     plain = float(force[0, 0] + field[0, 0])
     costs, is_ordinary = _costs(force, field, fastest_radps)
     best = min(float(cost.min()) for cost in costs.values())
@@ -116,7 +117,7 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
         SIGNED_PERMUTATIONS[mapping] if triads[0] == "gyroscope" else SIGNED_PERMUTATIONS[mapping].T,
         plain - best,
         float(evidence.unturned.sum()) - best,
-        _fits(evidence, triads[0], scale, mapping),
+        _fits((force, field), evidence.windows, triads[0], scale, mapping),
         _is_clear(costs, near, best),
     )
 
@@ -125,7 +126,8 @@ def _pace(evidence: Evidence, plain: float, others: float) -> Explanation | None
     """Return a wrong clock or range where it explains the readings; it stands before axes that do as well."""
     if evidence.pace == 1.0:
         return None
-    paced = evidence.paced[int(np.argmin(evidence.paced.sum(axis=1)))]
+    both = evidence.paced_costs()
+    paced = both[int(np.argmin(both.sum(axis=1)))]
     cost = float(paced.sum()) + _COMPLEX
     fits = bool((paced <= FITS * evidence.windows).all())
     if not fits or plain - cost < DOUBT or cost > others + _NEAR:
@@ -160,11 +162,13 @@ def _costs(force: Float, field: Float, fastest_radps: float) -> tuple[dict[Triad
     }, is_ordinary
 
 
-def _fits(evidence: Evidence, triad: Triad, scale: int, mapping: int) -> bool:
+def _fits(
+    left: tuple[Float, Float], windows: NDArray[np.int64], triad: Triad, scale: int, mapping: int
+) -> bool:
     """Tell whether a mistake leaves as little as the right reading of a sound recording does."""
-    of_force = evidence.force[scale, 0 if triad == "magnetometer" else mapping]
-    of_field = evidence.field[scale, 0 if triad == "accelerometer" else mapping]
-    return bool((np.array([of_force, of_field]) <= FITS * evidence.windows).all())
+    of_force = left[0][scale, 0 if triad == "magnetometer" else mapping]
+    of_field = left[1][scale, 0 if triad == "accelerometer" else mapping]
+    return bool((np.array([of_force, of_field]) <= FITS * windows).all())
 
 
 def _is_clear(costs: dict[Triad, Float], near: dict[Triad, tuple[int, int]], best: float) -> bool:

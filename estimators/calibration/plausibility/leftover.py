@@ -30,6 +30,8 @@ _ROUNDS: Final = 3
 
 Left = Callable[[Float, Float], Float]
 """Takes attitudes, shape (W, N, 3, 3), and mappings, shape (M, 3, 3); returns the cost of each, shape (M,)."""
+Fitted = Callable[[Float, Float, float], Float]
+"""The same of a gyroscope multiplied with a scale, with fitted offsets; returns the cost and their price, (2, M)."""
 
 
 def of_force(rate: Float, force: Float, step_s: float) -> tuple[Float, float]:
@@ -38,8 +40,8 @@ def of_force(rate: Float, force: Float, step_s: float) -> tuple[Float, float]:
     return _over_readings(rate, step_s, left, fitted_left), unturned
 
 
-def of_force_at(rate: Float, force: Float, step_s: float) -> float:
-    """Return the same sum for readings as they are."""
+def of_force_at(rate: Float, force: Float, step_s: float) -> Float:
+    """Return the same sum and price for readings as they are, shape (2,)."""
     return _as_it_is(rate, step_s, _left_of_force(rate, force, step_s)[1])
 
 
@@ -49,12 +51,12 @@ def of_field(rate: Float, field: Float, step_s: float) -> tuple[Float, float]:
     return _over_readings(rate, step_s, left, fitted_left), unturned
 
 
-def of_field_at(rate: Float, field: Float, step_s: float) -> float:
-    """Return the same sum for readings as they are."""
+def of_field_at(rate: Float, field: Float, step_s: float) -> Float:
+    """Return the same sum and price for readings as they are, shape (2,)."""
     return _as_it_is(rate, step_s, _left_of_field(field, step_s)[1])
 
 
-def _left_of_force(rate: Float, force: Float, step_s: float) -> tuple[Left, Left, float]:
+def _left_of_force(rate: Float, force: Float, step_s: float) -> tuple[Left, Fitted, float]:
     """Return what is left as it is and with fitted offsets, and for a gyroscope that says nothing."""
     windows = len(force)
     width = max(1, round(_BLOCK_S / step_s))
@@ -88,14 +90,14 @@ def _left_of_force(rate: Float, force: Float, step_s: float) -> tuple[Left, Left
     def left(attitude: Float, mappings: Float) -> Float:
         return cost((remaining(turned_back(attitude, mappings)) ** 2).sum(axis=(1, 3)))
 
-    def fitted_left(attitude: Float, mappings: Float) -> Float:
+    def fitted_left(attitude: Float, mappings: Float, scale: float) -> Float:
         back = turned_back(attitude, mappings)
         means, drift = _blocks(attitude, width, step_s)
         offsets = np.broadcast_to(width * step_s * means[:, :, None], (*back.shape, 3))
         design = remaining(np.concatenate((_drifts(back, drift), offsets), axis=4))
-        speeds = (
-            levelled @ _swings(np.nan_to_num(rate), attitude, width).reshape(windows, blocks, -1)
-        ).reshape(windows, blocks, 1, 3, 3)
+        speeds = (levelled @ _swings(scale * rate, attitude, width).reshape(windows, blocks, -1)).reshape(
+            windows, blocks, 1, 3, 3
+        )
         design = np.concatenate((design, np.broadcast_to(speeds, (*back.shape, 3))), axis=4)
         sums = _Sums.of(remaining(back), design)
         return sums.cost(floor[:, None], np.concatenate((_OFFSETS, [_LEVER_M] * 3)))
@@ -105,7 +107,7 @@ def _left_of_force(rate: Float, force: Float, step_s: float) -> tuple[Left, Left
     return left, fitted_left, unturned
 
 
-def _left_of_field(field: Float, step_s: float) -> tuple[Left, Left, float]:
+def _left_of_field(field: Float, step_s: float) -> tuple[Left, Fitted, float]:
     """Return the same of a field."""
     windows = len(field)
     width = max(1, round(_BLOCK_S / step_s))
@@ -113,7 +115,7 @@ def _left_of_field(field: Float, step_s: float) -> tuple[Left, Left, float]:
     used = blocks * width
     pieces = field[:, :used].reshape(windows, blocks, width, 3) / width
 
-    def fitted_left(attitude: Float, mappings: Float) -> Float:
+    def fitted_left(attitude: Float, mappings: Float, scale: float) -> Float:
         matrices = attitude[:, :used].reshape(windows, blocks, width, 9).transpose(0, 1, 3, 2)
         outer = (matrices @ pieces).reshape(windows, blocks, 3, 3, 3)
         back = np.einsum("wbijk,mkj->wbmi", outer, mappings, optimize=True)
@@ -151,13 +153,13 @@ def _left_of_field(field: Float, step_s: float) -> tuple[Left, Left, float]:
     return left, fitted_left, unturned
 
 
-def _as_it_is(rate: Float, step_s: float, fitted_left: Left) -> float:
-    attitude = rotation.to_matrix(rotation.running_product(rotation.exp(step_s * np.nan_to_num(rate))))
-    return float(fitted_left(attitude, np.eye(3)[np.newaxis])[0])
+def _as_it_is(rate: Float, step_s: float, fitted_left: Fitted) -> Float:
+    attitude = rotation.to_matrix(rotation.running_product(rotation.exp(step_s * rate)))
+    return fitted_left(attitude, np.eye(3)[np.newaxis], 1.0)[:, 0]
 
 
-def _over_readings(rate: Float, step_s: float, left: Left, fitted_left: Left) -> Float:
-    """Return what is left for each scale and mapping of the gyroscope, shape (11, 48).
+def _over_readings(rate: Float, step_s: float, left: Left, fitted_left: Fitted) -> Float:
+    """Return what is left for each scale and mapping of the gyroscope, and the price of offsets, shape (2, 11, 48).
 
     Notes
     -----
@@ -165,20 +167,19 @@ def _over_readings(rate: Float, step_s: float, left: Left, fitted_left: Left) ->
     the reversed gyroscope and -M. So two attitudes a scale do for all; the outer M does not change a variance.
     Offsets are fitted where one mistake alone is asked for: axes in the right unit, a unit of the right axes.
     """
-    found = np.empty((len(SCALES), len(SIGNED_PERMUTATIONS)))
-    sound = np.nan_to_num(rate)
+    found = np.zeros((2, len(SCALES), len(SIGNED_PERMUTATIONS)))
     for number, scale in enumerate(SCALES):
         for sign, where in ((1.0, IS_PROPER), (-1.0, ~IS_PROPER)):
             attitude = rotation.to_matrix(
-                rotation.running_product(rotation.exp(sign * scale * step_s * sound))
+                rotation.running_product(rotation.exp(sign * scale * step_s * rate))
             )
             mappings = sign * SIGNED_PERMUTATIONS[where]
             if number == 0:
-                found[number, where] = fitted_left(attitude, mappings)
+                found[:, number, where] = fitted_left(attitude, mappings, scale)
                 continue
-            found[number, where] = left(attitude, mappings)
+            found[0, number, where] = left(attitude, mappings)
             if sign > 0.0:
-                found[number, 0] = fitted_left(attitude, mappings[:1])[0]
+                found[:, number, 0] = fitted_left(attitude, mappings[:1], scale)[:, 0]
     return found
 
 
@@ -236,7 +237,10 @@ class _Sums(NamedTuple):
         )
 
     def cost(self, floor: Float, usual: Float) -> Float:
-        """Return the sum over windows of the logarithm of what is left with the likeliest offsets, shape (M,)."""
+        """Return the logarithm of what is left with the likeliest offsets, summed over windows, and their price.
+
+        Shape (2, M). The price is how unlikely such offsets are, `usual` being their one-sigma.
+        """
         price = np.diag(usual**-2.0)
         offsets = np.zeros((self.square.shape[1], len(usual)))
         left = np.maximum(self.square, 0.0)
@@ -247,7 +251,7 @@ class _Sums(NamedTuple):
             offsets = np.linalg.solve(normal, right[..., None])[..., 0]
             shared = np.einsum("wmij,mj->wmi", self.normal, offsets) - 2.0 * self.right
             left = np.maximum(self.square + np.einsum("wmi,mi->wm", shared, offsets), 0.0)
-        return np.asarray(np.log1p(left / floor).sum(axis=0) + ((offsets / usual) ** 2).sum(axis=1))
+        return np.stack((np.log1p(left / floor).sum(axis=0), ((offsets / usual) ** 2).sum(axis=1)))
 
 
 def _smoothed(values: Float, reach: int) -> Float:

@@ -40,12 +40,13 @@ class Moved(NamedTuple):
 
 
 def at_pace(gravity: Moved, earth: Moved, step_s: float, pace: float) -> Float:
-    """Return what is left of gravity and field at a pace: of the clock, and of the gyroscope; see `Evidence.paced`."""
+    """Return what is left at a pace of the clock, and of the gyroscope, and the prices; see `Evidence.paced`."""
     turned = [Moved(pace * rate, direction) for rate, direction in (gravity, earth)]
     # For the field the two are the same.
-    of_field = of_field_at(*turned[1], step_s) if len(earth.rate) else 0.0
+    nothing = np.zeros(2)
+    of_field = of_field_at(*turned[1], step_s) if len(earth.rate) else nothing
     if not len(gravity.rate):
-        return np.array([[0.0, of_field]] * 2)
+        return np.array([[nothing, of_field]] * 2)
     of_clock = of_force_at(*gravity, pace * step_s)
     return np.array([[of_clock, of_field], [of_force_at(*turned[0], step_s), of_field]])
 
@@ -66,7 +67,7 @@ def pace_of(gravity: Moved, earth: Moved, step_s: float, as_they_are: Float) -> 
     gravity, earth = gravity.first(_MOST_WINDOWS), earth.first(_MOST_WINDOWS)
 
     def cost(pace: float) -> float:
-        return float(at_pace(gravity, earth, step_s, pace).sum(axis=1).min())
+        return float(at_pace(gravity, earth, step_s, pace).sum(axis=(1, 2)).min())
 
     count = round(np.log(_FARTHEST) / np.log(_STEP))
     tried = _STEP ** np.arange(-count, count + 1, dtype=np.float64)

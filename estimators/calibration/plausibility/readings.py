@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from estimators._clipping import LEAST_FORCE_RANGE_MPS2, LEAST_RATE_RANGE_RADPS, ClipWatch
 from estimators.calibration.field.dip import Dip
 from estimators.calibration.force.evidence import ForceEvidence
-from estimators.calibration.plausibility.contradiction import HOP, WINDOW_S, Evidence, gather
+from estimators.calibration.plausibility.contradiction import Evidence, gather
 from estimators.calibration.plausibility.even_sample import EvenSample
+from estimators.calibration.plausibility.joined import Joined
 from estimators.calibration.plausibility.mistakes import SIGNED_PERMUTATIONS
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gravity import calm_size
@@ -22,9 +23,14 @@ _RESTING_S, _RESTING_SPREAD = 0.5, 0.02
 _LYING_RADPS, _LYING_SHARE = 0.15, 0.1
 """What a gyroscope reads at most while it lies still: an offset, or in another unit a small share of its movement."""
 _EVEN_RADPS, _EVEN_SHARE = 0.05, 0.05
+_USUAL_IRON: Final = 0.35
+"""Of the field: that much iron may sit on a device that is sound. Its filter is told by its own calibration."""
 _FEWEST: Final = 3
 _WHITE: Final = 0.6
 """Noise of a device is less alike from sample to sample than this; a tremor goes on."""
+_SQUARE: Final = 0.05
+"""Of a turn: the axes of a device are at right angles to a hundredth, and to each other's, on one that is sold cheaply;
+signs of what is seen on the others double it."""
 _APART: Final = SIGNED_PERMUTATIONS - np.eye(3)
 _APART_PRODUCTS: Final = _APART.transpose(0, 2, 1) @ _APART
 
@@ -52,7 +58,7 @@ class Readings:
         self.step_s = np.nan
         """Between two samples."""
         self.evidence = Evidence.nothing()
-        self.tail: Float | None = None
+        self.joined = Joined()
         self.force = ForceEvidence(keeps_readings=is_corrected)
         self.dip = Dip()
         # A live session goes on for hours: of its stretches nothing is held that grows.
@@ -103,14 +109,15 @@ class Readings:
             self._gather(rate, force, field, step_s)
         else:
             # What comes next does not adjoin it.
-            self.tail = None
+            self.joined.forget()
         if not sound.any():
             return
         self.force.add(rate, force, step_s, is_bridged)
         size = np.linalg.norm(force[sound], axis=1)
         turning = np.abs(rate[sound]).max(axis=1)
         about = rate[sound].T @ rate[sound] / int(sound.sum())
-        np.maximum(self._moved, np.einsum("kij,ij->k", _APART_PRODUCTS, about), out=self._moved)
+        moved = np.einsum("kij,ij->k", _APART_PRODUCTS, about) - _SQUARE**2 * float(np.trace(about))
+        np.maximum(self._moved, moved, out=self._moved)
         calm = calm_size(force, step_s)
         if not math.isfinite(calm):
             return
@@ -122,9 +129,17 @@ class Readings:
         self.fastest_radps = max(self.fastest_radps, fastest)
         self._rest(rate, force, field, step_s, fastest)
         if field is not None:
-            strength = np.linalg.norm(field[np.isfinite(field).all(axis=1)], axis=1)
-            self.field_t.add(float(np.median(strength)))
-            self.field_spread.add(float(np.std(strength)) / max(float(np.median(strength)), 1e-300))
+            self._strength(field[np.isfinite(field).all(axis=1)])
+
+    def _strength(self, field: Float) -> None:
+        """Note the size of the field, and how it varies beside what iron makes of it that moves with the sensor."""
+        size = np.linalg.norm(field, axis=1)
+        middle = float(np.median(size))
+        iron = self.dip.iron()
+        iron *= min(1.0, _USUAL_IRON * middle / max(float(np.linalg.norm(iron)), 1e-300))
+        spread = min(float(np.std(size)), float(np.std(np.linalg.norm(field - iron, axis=1))))
+        self.field_t.add(middle)
+        self.field_spread.add(spread / max(middle, 1e-300))
 
     @property
     def still_product(self) -> Float | None:
@@ -132,7 +147,10 @@ class Readings:
         return self._still_products / self._still_count if self._still_count else None
 
     def moved(self, mapping: Float) -> float:
-        """Return how much a signed permutation changes the rate: the largest mean square of a stretch, (rad/s)^2."""
+        """Return how much a signed permutation changes the rate: the largest mean square of a stretch, (rad/s)^2.
+
+        Less what it changes of a turn about one axis alone, of which a device shows some on the others.
+        """
         return float(self._moved[(mapping == SIGNED_PERMUTATIONS).all(axis=(1, 2))][0])
 
     @property
@@ -160,11 +178,7 @@ class Readings:
         """Weigh the movement, with windows that began in the stretch before."""
         nothing = np.full_like(rate, np.nan)
         stretch = np.stack((rate, force, nothing if field is None else field))
-        if self.tail is not None:
-            stretch = np.concatenate((self.tail, stretch), axis=1)
-        length = round((1.0 - HOP) * WINDOW_S / step_s)
-        self.tail = stretch[:, -length:] if stretch.shape[1] >= length else stretch
-        rate, force, joined = stretch
+        (rate, force, joined), step_s = self.joined.add(stretch, step_s)
         self.evidence += gather(rate, force, None if field is None else joined, step_s, self.evidence.pace)
         if field is not None:
             self.dip.add(rate, force, joined, step_s)

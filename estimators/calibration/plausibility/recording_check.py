@@ -133,10 +133,11 @@ class RecordingCheck:
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
 
     def interrupt(self) -> None:
-        """Forget what only a stretch that follows at once goes on from, most of the memory: it does not come."""
+        """Forget what only a stretch that follows at once goes on from, much of the memory: it does not come."""
         self._screen = None
         for sensor in self._sensors:
-            sensor.tail, sensor.freeze_s = None, 0.0
+            sensor.joined.forget()
+            sensor.freeze_s = 0.0
 
     def forget(self, name: str) -> None:
         """Begin anew with one sensor: another device may have come in its place."""
@@ -270,7 +271,8 @@ class _Verdict:
             # What explains it is said instead.
             return True
         remedies = [remedy for low, high, remedy in _FORCE_UNITS if low <= size <= high]
-        remedy = remedies[0] if remedies else say("readings.force_unknown")
+        unknown = say("readings.force_unknown" if factor > _GRAVITY_SURE else "readings.force_off")
+        remedy = remedies[0] if remedies else unknown
         self._tell(
             "accelerometer_unit",
             say("readings.accelerometer_unit", where=where, value=size, remedy=remedy),
@@ -359,8 +361,8 @@ class _Verdict:
     def _decides(self, explanation: Explanation) -> bool:
         """Tell whether the sensor turned about the axes that would be exchanged by more than an offset does.
 
-        A limb that swings about one axis of its sensor leaves on the other two little but the offset of the gyroscope:
-        exchanging these two only turns the offset, and may fit better by chance.
+        A limb that swings about one axis of its sensor leaves on the other two little but the offset of the gyroscope,
+        and its axes are not quite square: exchanging these two only turns its errors, and may fit better by chance.
         """
         proper = explanation.mapping
         if "gyroscope" not in explanation.triads:

@@ -25,6 +25,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.force_in_feet": "This looks like ft/s²: multiply by 0.3048.",
     "readings.force_in_milli_g": "This looks like mg or cm/s²: multiply by 0.00980665 or 0.01.",
     "readings.force_in_counts": "This looks like raw counts: scale them as the data sheet says.",
+    "readings.force_off": "Its scale or its zero is off, or its range or unit is another one. Calibrate it in six"
+    " positions; if it still reads so, check range and unit.",
     "readings.force_unknown": "Check unit, range and calibration.",
     "readings.gyroscope_dead": {
         "one": "{where:place}: an axis of the gyroscope never changes ({axes:and}). Replace the sensor or check its"

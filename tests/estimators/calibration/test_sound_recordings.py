@@ -59,6 +59,20 @@ def test_an_accelerometer_read_at_the_end_of_a_step_has_no_offset(seed):
     assert accusations(sound_recording(seed)) == ([], [])
 
 
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(226, id="one offset of a device is paid once, not with each look"),
+        pytest.param(510, id="a gyroscope that is read smaller goes on a smaller circle"),
+        pytest.param(667, id="a hinge shows on the other axes that those of a device are not quite square"),
+        pytest.param(96, id="iron on the device is no matter of the room"),
+    ],
+)
+def test_what_a_sound_device_and_an_ordinary_movement_do_is_no_fault(seed):
+    """Each was accused: of axes, of a gyroscope's unit, of axes, and of a field that varies by 16 %."""
+    assert accusations(sound_recording(seed)) == ([], [])
+
+
 def beside_a_source(seed: int) -> ImuChunk:
     """The upper arm of the demonstration's magnetic session: it turns about one axis, never rests, and has offsets."""
     motion = relative_motion("shoulder", 45.0, seed)
