@@ -26,7 +26,7 @@ from estimators.calibration.movement.functional import FunctionalResult, functio
 from estimators.calibration.movement.joint_axes import AxisEstimate
 from estimators.calibration.movement.one_way_joints import HINGES, bendings, raisings
 from estimators.calibration.movement.ordinary_elbow import OrdinaryElbow, elbow_from_movement
-from estimators.calibration.plausibility.finding import Finding, Hemisphere, in_words
+from estimators.calibration.plausibility.finding import Finding, Hemisphere, TwoLooks, in_words
 from estimators.calibration.plausibility.recording_check import STRETCH_S, RecordingCheck, check_recording
 from estimators.calibration.plausibility.same_signals import check_distinct, same_signals
 
@@ -57,6 +57,7 @@ __all__ = [
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "TwoLooks",
     "bendings",
     "check_distinct",
     "check_mounting",

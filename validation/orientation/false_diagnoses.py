@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from estimators.calibration import Finding, RecordingCheck, check_recording
+from estimators.calibration import Finding, RecordingCheck, TwoLooks, check_recording
 from validation.orientation.sound_recordings import SoundRecording, sound_recording
 from validation.protocol import Data, Figure, Protocol, Values
 
@@ -29,9 +29,10 @@ def accusations(recording: SoundRecording) -> tuple[list[Finding], list[Finding]
     of_file = check_recording(recording.chunk, recording.names, hemisphere=recording.hemisphere)
     live = RecordingCheck(recording.names, recording.hemisphere)
     said: dict[tuple[str, str], Finding] = {}
+    looks = TwoLooks()
     for first, stop in _parts(recording):
         live.add(recording.chunk.ticks(first, stop))
-        said |= {found.subject: found for found in live.findings}
+        said |= {found.subject: found for found in looks.reported(live.findings)}
     return [found for found in of_file if _is_false(found, recording)], [
         found for found in said.values() if _is_false(found, recording)
     ]

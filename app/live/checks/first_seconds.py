@@ -12,7 +12,7 @@ from app.errors import Unavailable
 from app.live.checks.live_words import in_live_words
 from app.live.checks.plausibility import Check, Known, check
 from app.live.checks.recent import LATE_TICKS, RecentSamples
-from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
+from estimators.calibration import Finding, Hemisphere, RecordingCheck, TwoLooks, in_words
 from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -107,6 +107,7 @@ class FirstSeconds:
         """First tick not looked at yet; it may have left the ring."""
         self._is_interrupted = False
         self._known = Known.of(RecordingCheck(self._names, hemisphere, clip_levels))
+        self._looks = TwoLooks()
         self._gone: set[str] = set()
         self._told: dict[tuple[str, str], Finding] = {}
         self._current: list[Finding] = []
@@ -177,6 +178,8 @@ class FirstSeconds:
     async def _check(self, newest: ImuChunk, end_s: float) -> float | None:
         """Check, tell what is new and return what it cost; None when it failed."""
         gone, self._gone = self._gone, set()
+        for name in gone:
+            self._looks.forget(name)
         try:
             checked = await asyncio.to_thread(self._work, self._known.whole, newest, gone)
         except Unavailable:
@@ -192,9 +195,8 @@ class FirstSeconds:
             levels = checked.clip_levels
             levels[[name in self._gone for name in self._names]] = np.inf
             self._clipped(levels)
-        self._current = [
-            in_live_words(finding) for finding in checked.findings if finding.sensor not in self._gone
-        ]
+        reported = self._looks.reported(checked.findings)
+        self._current = [in_live_words(finding) for finding in reported if finding.sensor not in self._gone]
         new = [finding for finding in self._current if self._is_new(finding)]
         self._told |= {finding.subject: finding for finding in new}
         if new:

@@ -62,6 +62,25 @@ class Finding:
         return self.sensor, "axes" if self.code.endswith("_axes") else self.code
 
 
+class TwoLooks:
+    """Reports of a session that goes on: what is certain at once, a doubt only where two looks in turn have it.
+
+    A doubt rests on the little that was seen: more of it makes most of those go away that mean nothing.
+    """
+
+    def __init__(self) -> None:
+        self._doubted: frozenset[tuple[str, str]] = frozenset()
+
+    def reported(self, findings: Sequence[Finding]) -> list[Finding]:
+        """Return what of the findings of the next look is reported."""
+        before, self._doubted = self._doubted, frozenset(found.subject for found in findings)
+        return [found for found in findings if found.severity == "refuse" or found.subject in before]
+
+    def forget(self, sensor: str) -> None:
+        """Begin anew with one sensor: another device may have come in its place."""
+        self._doubted = frozenset(subject for subject in self._doubted if subject[0] != sensor)
+
+
 def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
     """Return findings as sentences for people, each kind once, with the names of all sensors it concerns.
 
@@ -86,4 +105,4 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
     return CATALOGUE.together(stated)
 
 
-__all__ = ["Finding", "FindingCode", "Hemisphere", "Severity", "in_words"]
+__all__ = ["Finding", "FindingCode", "Hemisphere", "Severity", "TwoLooks", "in_words"]

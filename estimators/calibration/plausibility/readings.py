@@ -24,7 +24,7 @@ _LYING_RADPS, _LYING_SHARE = 0.15, 0.1
 """What a gyroscope reads at most while it lies still: an offset, or in another unit a small share of its movement."""
 _EVEN_RADPS, _EVEN_SHARE = 0.05, 0.05
 _USUAL_IRON: Final = 0.35
-"""Of the field: that much iron may sit on a device that is sound. Its filter is told by its own calibration."""
+"""Of the field: that much iron may sit on a device that is sound; more of it is worth a word."""
 _FEWEST: Final = 3
 _WHITE: Final = 0.6
 """Noise of a device is less alike from sample to sample than this; a tremor goes on."""

@@ -271,8 +271,8 @@ class _Verdict:
             # What explains it is said instead.
             return True
         remedies = [remedy for low, high, remedy in _FORCE_UNITS if low <= size <= high]
-        unknown = say("readings.force_unknown" if factor > _GRAVITY_SURE else "readings.force_off")
-        remedy = remedies[0] if remedies else unknown
+        off = say("readings.force_unknown") if factor > _GRAVITY_SURE else say("readings.force_off")
+        remedy = remedies[0] if remedies else off
         self._tell(
             "accelerometer_unit",
             say("readings.accelerometer_unit", where=where, value=size, remedy=remedy),
