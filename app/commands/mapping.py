@@ -92,7 +92,8 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
         # What says by itself what it is needs no guess.
         return Preview(format, cast("PipelineName", reader.pipeline or pipeline))
     asked = cast("PipelineName | None", pipeline or None)
-    return readers.preview_text(table.name, readers.start_of(table), asked, rate_hz)
+    start, later = readers.start_of(table), readers.later_of(table)
+    return readers.preview_text(table.name, start, asked, rate_hz, later)
 
 
 def say_how_read(found: "Preview", hemisphere: str | None = None) -> "Look":

@@ -156,7 +156,8 @@ def _recording(path: Path) -> Recording | None:
     kind = readers.guess(path)
     if not readers.reader_of(kind).needs_mapping:
         return readers.read(path, kind)
-    guess = readers.preview_text(path.name, readers.start_of(path), "orientation").guess
+    start, later = readers.start_of(path), readers.later_of(path)
+    guess = readers.preview_text(path.name, start, "orientation", later=later).guess
     if guess is None or guess.missing or not guess.mapping["signals"]:
         return None
     return readers.read(path, "csv", CsvMapping.model_validate(guess.mapping))

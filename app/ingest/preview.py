@@ -28,7 +28,9 @@ def preview_upload(wanted: PreviewIn, request: Request, _: CurrentSubject) -> Ta
 
 def previewed(wanted: PreviewIn, settings: Settings) -> TablePreview:
     """Return what a service with these settings says of the beginning of a file."""
-    found = readers.preview_text(wanted.file_name, wanted.beginning, wanted.pipeline, wanted.rate_hz)
+    found = readers.preview_text(
+        wanted.file_name, wanted.beginning, wanted.pipeline, wanted.rate_hz, wanted.later
+    )
     head, guess = found.head, found.guess
     look = _NOTHING
     if head is not None and guess is not None:

@@ -1,6 +1,6 @@
 """Wire types of what a file seems to be, before anything of it is uploaded."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Base64Bytes, Field
 
@@ -17,6 +17,8 @@ class PreviewIn(Schema):
     """With its ending; may say the side of a foot."""
     beginning: Base64Bytes = Field(max_length=360_000)
     """The first 256 KiB, or the whole file."""
+    later: list[Annotated[Base64Bytes, Field(max_length=45_000)]] = Field(default_factory=list, max_length=12)
+    """Of a longer file up to 12 pieces of 32 KiB, spread over its rest, the last one its end."""
     pipeline: Literal["arm", "gait", "orientation"] | None = None
     """What it is for, where a person said so."""
     rate_hz: float | None = Field(default=None, gt=0)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from app.readers.registry import format_of, guess, read, reader_of, readers
     from app.readers.tables.guess import SINGLE, Guess, PipelineName, pipeline_for
     from app.readers.tables.preview import Preview, preview_text, preview_zip
-    from app.readers.tables.text import HEAD_BYTES, start_of
+    from app.readers.tables.text import HEAD_BYTES, later_of, start_of
     from app.readers.units import accepting
 
 _NAMES: Final = {
@@ -32,7 +32,7 @@ _NAMES: Final = {
     "registry": ("format_of", "guess", "read", "reader_of", "readers"),
     "tables.guess": ("SINGLE", "Guess", "PipelineName", "pipeline_for"),
     "tables.preview": ("Preview", "preview_text", "preview_zip"),
-    "tables.text": ("HEAD_BYTES", "start_of"),
+    "tables.text": ("HEAD_BYTES", "later_of", "start_of"),
     "units": ("accepting",),
 }
 _MODULE_OF: Final = {name: module for module, names in _NAMES.items() for name in names}
@@ -64,6 +64,7 @@ __all__ = [
     "as_feet",
     "format_of",
     "guess",
+    "later_of",
     "packets_of",
     "pipeline_for",
     "preview_text",

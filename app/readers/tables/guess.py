@@ -13,10 +13,16 @@ from app.readers.tables.clocks.guess import TimeGuess, guess_time, own_clocks
 from app.readers.tables.clocks.mended import spaced, usual_interval
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import is_orientation, placement_of, side_of
-from app.readers.tables.rows import devices_of_rows, kinds_of_rows
+from app.readers.tables.rows import devices_of_pieces, kinds_of_rows
 from app.readers.tables.streams import joined, share_rows
 from app.readers.tables.triples import Triple, of_devices, of_kinds, triples_of, whole_sensors
-from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
+from app.readers.tables.units import (
+    Body,
+    accelerometer_unit,
+    bodies_of,
+    gyroscope_unit,
+    magnetometer_unit,
+)
 from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
 from estimators.recording import Float
@@ -66,7 +72,8 @@ def guess_of_head(
     """
     notes: list[Sentence] = []
     missing: list[Sentence] = []
-    body = Body(head)
+    bodies = bodies_of(head)
+    body = bodies[0]
     kinds = kinds_of_rows(head, body)
     triples, left_out = whole_sensors(of_kinds(head, body, kinds) if kinds else triples_of(head.columns))
     if left_out:
@@ -80,8 +87,8 @@ def guess_of_head(
     if triples:
         no_device = {*signals_of, time.column, kinds.column if kinds else None}
         others = [column for column in head.columns if column not in no_device]
-        mine = body.of_rows(triples[0].rows)
-        if turns := devices_of_rows(mine, others, time.column, time.unit, triples[0].columns):
+        mine = [one.of_rows(triples[0].rows) for one in bodies]
+        if turns := devices_of_pieces(mine, others, time.column, time.unit, triples[0].columns):
             triples = of_devices(triples, turns)
             notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
             time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)
@@ -91,7 +98,7 @@ def guess_of_head(
         notes.append(say("guess.own_clocks", columns=sorted(set(clocks.values()))))
     notes += time.notes
     missing += time.missing
-    known = [_with_unit(body, one, triples, time, notes, missing) for one in triples]
+    known = [_with_unit(bodies, one, triples, time, notes, missing) for one in triples]
     triples = [one for one in known if one is not None]
     if len(triples) < len(known):
         # Magnetometers all or none.
@@ -124,7 +131,7 @@ def _why_none(head: TableHead, left_out: list[Triple]) -> Sentence:
 
 
 def _with_unit(
-    body: Body,
+    bodies: list[Body],
     one: Triple,
     all_: list[Triple],
     time: TimeGuess,
@@ -132,42 +139,47 @@ def _with_unit(
     missing: list[Sentence],
 ) -> Triple | None:
     """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out."""
-    mine = body.of_rows(one.rows)
-    values = mine.numbers(*one.columns)
-    if one.quantity == "magnetometer" and not np.isfinite(values).all(axis=1).any():
+    mine = [body.of_rows(one.rows).numbers(*one.columns) for body in bodies]
+    whole = np.concatenate([values[np.isfinite(values).all(axis=1)] for values in mine])
+    if one.quantity == "magnetometer" and not len(whole):
         notes.append(say("guess.left_out", columns=list(one.columns)))
         return None
     if one.unit:
         return one
-    if one.quantity == "accelerometer":
-        unit = accelerometer_unit(values)
-        if not unit:
-            whole = values[np.isfinite(values).all(axis=1)]
-            size = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else float("nan")
-            missing.append(say("guess.no_unit", columns=list(one.columns), size=size))
-            return one
-    elif one.quantity == "magnetometer":
-        unit = magnetometer_unit(values)
-        if not unit:
-            notes.append(say("guess.left_out", columns=list(one.columns)))
-            return None
-    else:
-        force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
-        forces = mine.numbers(*force.columns)
-        if (force.rows, force.clock) == (one.rows, one.clock) and share_rows(values, forces):
-            unit = gyroscope_unit(values, forces, time.step_s)
-        else:
-            at_s, values = _in_time(mine, one, time)
-            forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
-            unit = gyroscope_unit(values, forces, usual_interval(at_s) if at_s.size > 1 else None)
+    units = (_unit_of_numbers(body, one, all_, time) for body in bodies)
+    unit = next((unit for unit in units if unit), "")
+    if one.quantity == "accelerometer" and not unit:
+        size = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else float("nan")
+        missing.append(say("guess.no_unit", columns=list(one.columns), size=size))
+        return one
+    if one.quantity == "magnetometer" and not unit:
+        notes.append(say("guess.left_out", columns=list(one.columns)))
+        return None
     if unit == "local":
         notes.append(say("guess.field_relative", columns=list(one.columns)))
-        return replace(one, unit=unit)
-    if unit:
+    elif unit:
         notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
-        return replace(one, unit=unit)
-    notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=_DEFAULT[one.quantity]))
-    return replace(one, unit=_DEFAULT[one.quantity])
+    else:
+        unit = _DEFAULT[one.quantity]
+        notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=unit))
+    return replace(one, unit=unit)
+
+
+def _unit_of_numbers(body: Body, one: Triple, all_: list[Triple], time: TimeGuess) -> str:
+    """Return the unit that some rows of a signal are in; empty where they do not say it."""
+    mine = body.of_rows(one.rows)
+    values = mine.numbers(*one.columns)
+    if one.quantity == "accelerometer":
+        return accelerometer_unit(values)
+    if one.quantity == "magnetometer":
+        return magnetometer_unit(values)
+    force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
+    forces = mine.numbers(*force.columns)
+    if (force.rows, force.clock) == (one.rows, one.clock) and share_rows(values, forces):
+        return gyroscope_unit(values, forces, time.step_s)
+    at_s, values = _in_time(mine, one, time)
+    forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
+    return gyroscope_unit(values, forces, usual_interval(at_s) if at_s.size > 1 else None)
 
 
 def _in_time(body: Body, one: Triple, time: TimeGuess) -> tuple[Float, Float]:

@@ -5,14 +5,15 @@ docs/mapping.md says the rules in words, tests/data/tables holds examples: chang
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from csv import Error, reader
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from app.errors import RecordingFormatError
 from app.readers.tables.clocks.of_day import is_clock
-from app.readers.tables.text import HEAD_BYTES, encoding_of, start_of, text_of
+from app.readers.tables.text import HEAD_BYTES, encoding_of, later_of, lines_of, start_of, text_of
 from app.sentences import say
 
 _LINES: Final = 200
@@ -63,14 +64,16 @@ class TableHead:
     preamble: tuple[str, ...]
     encoding: str = "utf-8"
     body: tuple[str, ...] = ()
+    later: tuple[tuple[str, ...], ...] = ()
+    """Lines of pieces of the rest of the file, where it goes on: what begins later is in them."""
 
 
 def head_of_file(path: Path, delimiter: str | None = None) -> TableHead:
     """Find the table of a file; see `head_of`."""
-    return head_of(start_of(path), delimiter)
+    return head_of(start_of(path), delimiter, later_of(path))
 
 
-def head_of(start: bytes, delimiter: str | None = None) -> TableHead:
+def head_of(start: bytes, delimiter: str | None = None, later: Sequence[bytes] = ()) -> TableHead:
     """Find the table in the beginning of a file.
 
     Parameters
@@ -79,6 +82,8 @@ def head_of(start: bytes, delimiter: str | None = None) -> TableHead:
         The whole file, or its first `HEAD_BYTES`.
     delimiter : str, optional
         Where it is known; otherwise it is found.
+    later : sequence of bytes
+        Pieces of the rest of the file; see `later_of`.
 
     Raises
     ------
@@ -93,7 +98,8 @@ def head_of(start: bytes, delimiter: str | None = None) -> TableHead:
         if end < 0:
             raise RecordingFormatError(say("table.endless_line"))
         text = text[:end]
-    return read_head(text, delimiter, encoding=encoding)
+    found = read_head(text, delimiter, encoding=encoding)
+    return replace(found, later=tuple(lines_of(piece, start) for piece in later))
 
 
 def read_head(

@@ -1,5 +1,6 @@
 """What a file seems to be, from its name and its beginning: the format, and of a table how to read it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
@@ -39,7 +40,11 @@ class Preview:
 
 
 def preview_text(
-    name: str, start: bytes, pipeline: PipelineName | None = None, rate_hz: float | None = None
+    name: str,
+    start: bytes,
+    pipeline: PipelineName | None = None,
+    rate_hz: float | None = None,
+    later: Sequence[bytes] = (),
 ) -> Preview:
     """Say what a text file seems to be.
 
@@ -51,6 +56,8 @@ def preview_text(
         Its first `HEAD_BYTES`, or all of it.
     pipeline, rate_hz : optional
         What a person said already; see `guess_of_head`.
+    later : sequence of bytes
+        Pieces of the rest of the file; see `later_of`.
 
     Raises
     ------
@@ -61,7 +68,7 @@ def preview_text(
     reader = reader_of(text_format(name, start))
     if reader.name == ZIPPED:
         return _preview_of_zip(name, start, pipeline, rate_hz)
-    head = head_of(start)
+    head = head_of(start, later=later)
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
     if reader.needs_mapping and (tall := tall_of(head)) is not None:

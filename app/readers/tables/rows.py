@@ -6,7 +6,8 @@ rate while others have theirs; a mark that somebody set, a button or the phase o
 
 import re
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from app.readers.tables.clocks.counter import COUNT
 from app.readers.tables.clocks.mended import usual_interval
 from app.readers.tables.head import TableHead, is_number
-from app.readers.tables.names import placement_of, quantity_of, words_of
+from app.readers.tables.names import placement_of, quantity_of, side_of, words_of
 from app.readers.tables.units import Body
 from estimators.recording import Float
 
@@ -78,6 +79,26 @@ def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
     return None
 
 
+def devices_of_pieces(
+    bodies: Sequence[Body], columns: list[str], time: str | None, unit: str, signals: tuple[str, ...]
+) -> Turns | None:
+    """Return the column by which rows of several devices differ in any of some pieces of a table; None for none.
+
+    Parameters
+    ----------
+    bodies : sequence of Body
+        A device may be switched on later: its rows are in some of them.
+    columns, time, unit, signals
+        See `devices_of_rows`.
+    """
+    found = [devices_of_rows(body, columns, time, unit, signals) for body in bodies]
+    turns = max((one for one in found if one is not None), key=lambda one: len(one.values), default=None)
+    if turns is None:
+        return None
+    values = dict.fromkeys(value for body in bodies for value in _values(body, turns.column))
+    return replace(turns, values=tuple(values))
+
+
 def devices_of_rows(
     body: Body, columns: list[str], time: str | None, unit: str, signals: tuple[str, ...]
 ) -> Turns | None:
@@ -103,7 +124,7 @@ def devices_of_rows(
         texts = np.array(body.texts(column))
         is_mark = any(map(_NO_DEVICE.fullmatch, words))
         is_named = not is_mark and (
-            any(map(DEVICE.fullmatch, words)) or all(placement_of(one) is not None for one in values)
+            any(map(DEVICE.fullmatch, words)) or all(placement_of(one) or side_of(one) for one in values)
         )
         # What nobody calls a device makes devices only where its rows take turns and do not belong together.
         if not is_named and (is_mark or not _jumps(texts, body.numbers(*signals))):
@@ -183,4 +204,4 @@ def _quantity_said(value: str) -> str:
     return found if found in _OF_SIGNALS else ""
 
 
-__all__ = ["DEVICE", "Turns", "devices_of_rows", "kinds_of_rows"]
+__all__ = ["DEVICE", "Turns", "devices_of_pieces", "devices_of_rows", "kinds_of_rows"]

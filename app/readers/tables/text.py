@@ -11,6 +11,9 @@ from app.sentences import say
 
 HEAD_BYTES: Final = 256 * 1024
 """How much of a file is looked at to find out what it is."""
+LATER_BYTES: Final = 32 * 1024
+MOST_LATER: Final = 12
+"""Pieces spread over the rest of a file, the last one its end: what begins later, as a second device, is in them."""
 _PIECE_BYTES: Final = 1 << 18
 _MARKS: Final = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -30,6 +33,24 @@ def start_of(path: Path) -> bytes:
     """
     with path.open("rb") as file:
         return file.read(HEAD_BYTES)
+
+
+def later_of(path: Path) -> tuple[bytes, ...]:
+    """Return pieces of `LATER_BYTES` spread over a file behind its first `HEAD_BYTES`; none of a file that ends there.
+
+    Parameters
+    ----------
+    path : Path
+    """
+    size = path.stat().st_size
+    count = min(MOST_LATER, -(-(size - HEAD_BYTES) // LATER_BYTES))
+    if count <= 0:
+        return ()
+    last = max(HEAD_BYTES, size - LATER_BYTES)
+    places = [HEAD_BYTES + (last - HEAD_BYTES) * (k + 1) // count for k in range(count)]
+    with path.open("rb") as file:
+        # A character of UTF-16 begins at an even place.
+        return tuple(file.read(LATER_BYTES) for place in places if file.seek(place // 2 * 2) >= 0)
 
 
 def encoding_of(start: bytes) -> str:
@@ -73,6 +94,15 @@ def text_of(start: bytes) -> str:
     """Return the beginning of a file as text whose lines end with a line feed; see `encoding_of`."""
     decoder = codecs.getincrementaldecoder(encoding_of(start))(errors="replace")
     return decoder.decode(start).replace("\r\n", "\n").replace("\r", "\n").replace("\x1a", "")
+
+
+def lines_of(later: bytes, start: bytes) -> tuple[str, ...]:
+    """Return the whole lines of a piece of a file that begins with `start`; see `later_of`."""
+    encoding = encoding_of(start)
+    mark = start[:2] if encoding == "utf-16" else b""
+    text = (mark + later).decode(encoding, errors="replace")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x1a", "").split("\n")
+    return tuple(line for line in lines[1:-1] if line.strip())
 
 
 def opened(path: Path, encoding: str) -> BinaryIO:
@@ -125,4 +155,4 @@ class _Recoded(io.RawIOBase):
         return len(taken)
 
 
-__all__ = ["HEAD_BYTES", "encoding_of", "opened", "start_of", "text_of"]
+__all__ = ["HEAD_BYTES", "encoding_of", "later_of", "lines_of", "opened", "start_of", "text_of"]

@@ -1,6 +1,7 @@
 """Units guessed from the numbers where the names of the columns say none."""
 
 from copy import copy
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -128,6 +129,11 @@ class Body:
         return seconds_of_clock(self.texts(column))[0]
 
 
+def bodies_of(head: TableHead, most_rows: int = _ROWS) -> list[Body]:
+    """Return the first rows of a table, and those of each piece of its rest; see `TableHead.later`."""
+    return [Body(replace(head, body=lines), most_rows) for lines in (head.body, *head.later)]
+
+
 def _float(field: str) -> float:
     try:
         return float(field.replace(",", ".") if field.count(",") == 1 else field)
@@ -210,4 +216,4 @@ def _fitting(values: Float, bounds: tuple[float, float], order: tuple[str, ...])
     return next((unit for unit in order if bounds[0] <= median * TO_SI[unit] <= bounds[1]), "")
 
 
-__all__ = ["Body", "accelerometer_unit", "gyroscope_unit", "magnetometer_unit"]
+__all__ = ["Body", "accelerometer_unit", "bodies_of", "gyroscope_unit", "magnetometer_unit"]

@@ -31,7 +31,8 @@ def written(folder, head, rows, delimiter=","):
 
 
 def guess_of(path, rate_hz=None):
-    return readers.preview_text(path.name, path.read_bytes()[: readers.HEAD_BYTES], None, rate_hz).guess
+    start, later = readers.start_of(path), readers.later_of(path)
+    return readers.preview_text(path.name, start, None, rate_hz, later).guess
 
 
 def read(path, rate_hz=None):
@@ -248,3 +249,66 @@ def test_first_values_with_the_stamp_of_the_one_before_are_of_their_own_sample(t
     assert np.isfinite(signals.accelerometer_mps2[1:]).all()
     between = 0.4 * FORCE[: N - 1] + 0.6 * FORCE[1:N]
     np.testing.assert_allclose(signals.accelerometer_mps2[1:], between, atol=1e-4)
+
+
+def labelled(rows, *labels):
+    """Return the rows of a table with a label behind the time."""
+    return [[one[0], label, *one[1:]] for one, label in zip(rows, labels, strict=True)]
+
+
+@pytest.mark.parametrize("apart_s", [0.0, 0.005])
+@pytest.mark.parametrize("column", ["side", "hand"])
+def test_sides_that_hold_every_name_are_two_sensors(tmp_path, column, apart_s):
+    both = [
+        [f"{float(one[0]) + shift_s:.3f}", label, *one[1:]]
+        for values, label, shift_s in ((VALUES, "left", 0.0), (VALUES[::-1], "right", apart_s))
+        for one in rows_of(values, signals=SIGNALS[:6])
+    ]
+    both.sort(key=lambda one: float(one[0]))
+    found, _ = read(written(tmp_path, f"time,{column},channel,value", both))
+    assert set(found.sensors) == {"left", "right"}
+    if not apart_s:
+        is_as_measured(found.sensors["left"])
+        is_as_measured(found.sensors["right"], slice(N - 1, None, -1))
+
+
+@pytest.mark.parametrize("column", ["side", "hand", "position"])
+def test_a_side_that_says_what_was_moved_splits_no_sensor(tmp_path, column):
+    rows = rows_of()
+    rows = labelled(rows, *(("left", "right")[k // 1350 % 2] for k in range(len(rows))))
+    found, _ = read(written(tmp_path, f"time,{column},channel,value", rows))
+    (signals,) = found.sensors.values()
+    is_as_measured(signals)
+
+
+def test_a_label_that_says_what_the_name_says_splits_no_sensor(tmp_path):
+    rows = rows_of()
+    rows = labelled(rows, *({"g": "IMU 1", "a": "IMU 1", "m": "compass"}[one[1][0]] for one in rows))
+    found, _ = read(written(tmp_path, "time,sensor,channel,value", rows))
+    (signals,) = found.sensors.values()
+    is_as_measured(signals)
+
+
+@pytest.mark.parametrize(
+    "head", ["time,channel,value", "time,device,channel,value", "time,who,channel,value"]
+)
+def test_a_device_that_begins_later_is_a_sensor(tmp_path, head):
+    """Behind the first 256 KiB; its own signals, or the same under another label."""
+    stamps = [f"{k / 100:.2f}" for k in range(4200)]
+    rows = []
+    for device, values, begins in (("left", VALUES, 0), ("right", VALUES[::-1], 2900)):
+        mine = rows_of((values * 7)[begins:4200], stamps[begins:], SIGNALS[:6])
+        if head.split(",")[1] == "channel":
+            rows += [[stamp, f"{device}_{name}", value] for stamp, name, value in mine]
+        else:
+            rows += labelled(mine, *[device] * len(mine))
+    rows.sort(key=lambda one: float(one[0]))
+    path = written(tmp_path, head, rows)
+    found, said = read(path)
+    assert set(found.sensors) == {"left", "right"}
+    there = np.isfinite(found.sensors["right"].gyroscope_radps).all(axis=1)
+    assert there.sum() == 1300
+    np.testing.assert_allclose(
+        found.sensors["right"].gyroscope_radps[2900:3000], GYROSCOPE[N - 1 :: -1][500:600], atol=1e-5
+    )
+    assert "table.rows_of_no_signal" not in said

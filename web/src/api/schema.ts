@@ -4960,6 +4960,8 @@ export interface components {
             file_name: string;
             /** Hemisphere */
             hemisphere?: ("north" | "south" | "unknown") | null;
+            /** Later */
+            later?: string[];
             mapping?: components["schemas"]["GuessedMapping"] | null;
             /** Pipeline */
             pipeline?: ("arm" | "gait" | "orientation") | null;

@@ -18,11 +18,11 @@ from app.readers.tables.body import check_present, read_table
 from app.readers.tables.guess import Guess
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, words_of
+from app.readers.tables.tall.pieces import Piece
 from app.readers.tables.tall.samples import (
     Order,
     is_cycle,
     of_a_sample,
-    order_of,
     places,
     share_stamps,
     side_by_side,
@@ -34,12 +34,12 @@ from app.readers.tables.tall.signals import (
     are_signals,
     called_by,
     clock_of,
-    says_what,
+    says_quantity,
     value_column,
     with_devices,
 )
 from app.readers.tables.triples import triples_of
-from app.readers.tables.units import Body
+from app.readers.tables.units import bodies_of
 from app.sentences import Sentence, say
 
 _NO_SENSOR: Final = frozenset({"guess.no_signal", "guess.not_whole"})
@@ -112,7 +112,11 @@ class Tall:
         stamps = None if self.clock is None else table[self.clock][there]
         place = places(signal[there], stamps, self.order, self.quantities)
         found = side_by_side(
-            signal[there], place, table[self.value][there], {name: table[name][there] for name in beside}
+            signal[there],
+            place,
+            table[self.value][there],
+            {name: table[name][there] for name in beside},
+            len(self.signals),
         )
         columns = {name: at for at, name in enumerate(self.called)}
         return {name: found[columns.get(name, name)] for name in wanted}, notes
@@ -127,37 +131,34 @@ def tall_of(head: TableHead) -> Tall | None:
     """
     if any(named(column, letters=True) is not None for column in head.columns):
         return None
-    body = Body(head, MOST_ROWS)
-    texts = {column: np.array(body.texts(column)) for column in head.columns}
-    value = value_column(head, body)
+    bodies = bodies_of(head, MOST_ROWS)
+    value = value_column(head, bodies[0])
     if value is None:
         return None
     unit = next((one for one in head.columns if UNIT & set(words_of(one)) and one != value), None)
-    names = [c for c in head.columns if c not in (value, unit) and says_what(c, texts[c])]
-    if not names or not are_signals(called_by(texts, names, unit)):
+    texts = {column: np.array(bodies[0].texts(column)) for column in head.columns}
+    said = [c for c in head.columns if c not in (value, unit) and says_quantity(texts[c])]
+    if not said or not are_signals(called_by(texts, said, unit)):
         return None
-    clock = clock_of(head, body, texts, names, value)
-    names = with_devices(head, texts, names, [clock, value, unit])
-    called = called_by(texts, names, unit)
+    clock = clock_of(head, bodies[0], texts, said, value)
+    names = with_devices(head, bodies, said, clock, value, unit)
     chosen = (*names, *([unit] if unit else []))
-    # A row that names nothing, or a head that stands again, is of no signal.
-    first = [one for one in dict.fromkeys(called) if any(one) and one != chosen]
+    # What was looked at of the rest has the signals of devices that begin later.
+    pieces = [Piece.of(body, head, chosen, clock.column) for body in bodies]
+    if (order := pieces[0].order) == "blocks":
+        del pieces[1:]
+    first = list(dict.fromkeys(one for piece in pieces for one in piece.called))
     if len(first) > MOST_NAMES:
         return None
-    at = {one: number for number, one in enumerate(first)}
-    rows = np.array([one in at for one in called], dtype=np.bool_)
-    called = [one for one in called if one in at]
-    texts = {column: one[rows] for column, one in texts.items()}
-    stamps = None if clock is None else texts[clock]
-    signal = np.array([at[one] for one in called])
-    if (order := order_of(signal, stamps)) == "turns":
-        first = of_a_sample(signal, first)
-        at = {one: number for number, one in enumerate(first)}
-        signal = np.array([at[one] for one in called])
+    if order == "turns":
+        whole = max(pieces, key=lambda piece: len(set(piece.called)))
+        first = list(dict.fromkeys([*of_a_sample(whole.signal, whole.first), *first]))
         # A stamp of several samples does not say which of two rates belong together.
-        order = "turns" if is_cycle(signal) and not share_stamps(stamps) else "apart"
-    found = Tall(head, chosen, value, clock, order, tuple(first), head)
-    return replace(found, wide=_wide(found, signal, texts))
+        is_one = is_cycle(whole.numbered(first)) and not share_stamps(pieces[0].stamps)
+        order = "turns" if is_one else "apart"
+    found = Tall(head, chosen, value, clock.column, order, tuple(first), head)
+    lines = [_lines(found, piece.numbered(first), piece.texts) for piece in pieces]
+    return replace(found, wide=_wide(found, lines))
 
 
 def of_tall(tall: Tall, guess: Guess) -> Guess:
@@ -182,29 +183,45 @@ def of_tall(tall: Tall, guess: Guess) -> Guess:
     return replace(guess, notes=(note, *guess.notes), missing=(lacks, *others))
 
 
-def _wide(tall: Tall, signal: NDArray[np.intp], texts: dict[str, NDArray[Any]]) -> TableHead:
+def _wide(tall: Tall, pieces: list[list[tuple[str, ...]]]) -> TableHead:
     """Return the head of the table with a row for each sample, as far as it was looked at."""
     head = tall.raw
     beside = [column for column in head.columns if column not in (*tall.names, tall.value)]
-    stamps = None if tall.clock is None else texts[tall.clock].astype(object)
-    place = places(signal, stamps, tall.order, tall.quantities)
-    values = texts[tall.value].astype(object)
-    found = side_by_side(signal, place, values, {name: texts[name].astype(object) for name in beside})
-    nothing = "nan" if head.delimiter == " " else ""
-    lines = []
-    columns = [*(found[name] for name in beside), *(found[k] for k in range(len(tall.signals)))]
-    rows = [[str(one) or nothing for one in row] for row in zip(*(c.tolist() for c in columns), strict=True)]
-    for row in rows:
+
+    def written(row: tuple[str, ...]) -> str:
         text = io.StringIO()
         csv.writer(text, delimiter=head.delimiter, lineterminator="").writerow(row)
-        lines.append(text.getvalue())
+        return text.getvalue()
+
+    # The last sample may lack what comes behind; a last line is left out of what is looked at.
+    bodies = [tuple(map(written, rows)) for rows in pieces]
     return replace(
         head,
         columns=(*beside, *tall.called),
-        rows=tuple(tuple(row) for row in rows[: len(head.rows)]),
-        # The last sample may lack what comes behind; a last line is left out of what is looked at.
-        body=tuple(lines),
+        rows=tuple(pieces[0][: len(head.rows)]),
+        body=bodies[0],
+        later=tuple(bodies[1:]),
     )
+
+
+def _lines(tall: Tall, signal: NDArray[np.intp], texts: dict[str, NDArray[Any]]) -> list[tuple[str, ...]]:
+    """Return rows that follow each other with a row for each sample."""
+    beside = [column for column in tall.raw.columns if column not in (*tall.names, tall.value)]
+    stamps = None if tall.clock is None else texts[tall.clock].astype(object)
+    place = places(signal, stamps, tall.order, tall.quantities)
+    values = texts[tall.value].astype(object)
+    found = side_by_side(
+        signal,
+        place,
+        values,
+        {name: texts[name].astype(object) for name in beside},
+        len(tall.signals),
+    )
+    nothing = "nan" if tall.raw.delimiter == " " else ""
+    columns = [*(found[name] for name in beside), *(found[k] for k in range(len(tall.signals)))]
+    return [
+        tuple(str(one) or nothing for one in row) for row in zip(*(c.tolist() for c in columns), strict=True)
+    ]
 
 
 def _name(said: tuple[str, ...], *, has_unit: bool) -> str:

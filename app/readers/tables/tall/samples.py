@@ -114,11 +114,12 @@ def side_by_side(
     place: NDArray[np.intp],
     values: NDArray[Any],
     beside: dict[str, NDArray[Any]],
+    signals: int,
 ) -> dict[int | str, NDArray[Any]]:
     """Return a column for each signal by its number, NaN where a sample lacks it, and those beside by name."""
     count = int(place.max(initial=-1)) + 1
     found: dict[int | str, NDArray[Any]] = {}
-    for number in range(int(signal.max(initial=-1)) + 1):
+    for number in range(signals):
         rows = signal == number
         found[number] = np.full(count, np.nan if values.dtype != object else "", dtype=values.dtype)
         found[number][place[rows]] = values[rows]

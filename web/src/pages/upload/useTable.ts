@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from 'react';
 import { byHand } from '../../api/client';
 import type { GuessedMapping, PreviewIn, TablePreview } from '../../api/types';
 import type { Pipeline } from '../../lib/csv';
-import { beginningOf } from './beginning';
+import { beginningOf, laterOf } from './beginning';
 
 /** So long after the last change is it looked at again. */
 const QUIET_MS = 350;
@@ -43,6 +43,7 @@ export function useTable(onFound: (found: TablePreview) => void): Table {
     byHand.post<TablePreview>('/api/uploads/preview', {
       file_name: file.name.slice(-200),
       beginning: await beginningOf(file),
+      later: await laterOf(file),
       pipeline: wanted,
       ...(said && { mapping: said }),
       ...(hemisphere && { hemisphere }),

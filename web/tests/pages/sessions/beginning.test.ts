@@ -2,7 +2,7 @@ import { Blob as NodeBlob } from 'node:buffer';
 import { deflateRawSync, inflateRawSync } from 'node:zlib';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { crc32 } from '../../../src/sensors/gateway/crc32';
-import { BEGINNING_BYTES, beginningOf } from '../../../src/pages/upload/beginning';
+import { BEGINNING_BYTES, beginningOf, laterOf } from '../../../src/pages/upload/beginning';
 import { beginningsOf } from '../../../src/pages/upload/zipped';
 
 const blobOf = (bytes: Uint8Array) => new NodeBlob([bytes]) as unknown as Blob;
@@ -80,6 +80,19 @@ describe('the beginning of a file', () => {
     expect(await beginningOf(new Blob(['t,x\n']))).toBe(btoa('t,x\n'));
     const sent = await beginningOf(new Blob([new Uint8Array(BEGINNING_BYTES + 10).fill(255)]));
     expect(atob(sent)).toHaveLength(BEGINNING_BYTES);
+  });
+
+  it('goes with pieces of the rest up to its end, but of a zip', async () => {
+    const bytes = new Uint8Array(3_000_000).map((_, k) => k >> 16);
+    expect(await laterOf(new Blob([bytes.subarray(0, BEGINNING_BYTES)]))).toEqual([]);
+    expect((await laterOf(new Blob([bytes.subarray(0, BEGINNING_BYTES + 9)]))).length).toBe(1);
+    const later = await laterOf(new Blob([bytes]));
+    expect(later).toHaveLength(12);
+    expect(new Set(later.map((one) => atob(one).charCodeAt(0))).size).toBe(12);
+    expect(atob(later[11] ?? '')).toHaveLength(32 * 1024);
+    expect(atob(later[11] ?? '').charCodeAt(32 * 1024 - 1)).toBe(bytes[2_999_999]);
+    bytes.set([0x50, 0x4b, 3, 4]);
+    expect(await laterOf(new Blob([bytes]))).toEqual([]);
   });
 });
 

@@ -1,0 +1,57 @@
+"""A device that is switched on behind the beginning of a table is a sensor as well."""
+
+import numpy as np
+import pytest
+
+from app import readers
+from app.readers.tables.schemas import CsvMapping
+from tests.app.readers.odd_tables import FORCE, GYROSCOPE, NINE, numbers
+from tests.said import codes
+
+N = len(GYROSCOPE)
+VALUES = numbers(np.column_stack([GYROSCOPE, FORCE]))
+LONG = 6000
+
+
+def guess_of(path):
+    return readers.preview_text(path.name, readers.start_of(path), None, None, readers.later_of(path)).guess
+
+
+def rows_of(device, begins, ends=LONG, later_s=0.0):
+    return [
+        [f"{k / 100 + later_s:.3f}", device, *VALUES[(k + 7 * len(device)) % N]] for k in range(begins, ends)
+    ]
+
+
+def written(folder, rows, encoding="utf-8"):
+    path = folder / "table.csv"
+    head = ["time", "DeviceName", *NINE[:6]]
+    path.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n", encoding)
+    return path
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le"])
+@pytest.mark.parametrize("begins", [3500, 5700])
+def test_rows_of_a_device_that_begins_later(tmp_path, begins, encoding):
+    rows = sorted([*rows_of("one", 0), *rows_of("second", begins)], key=lambda row: float(row[0]))
+    path = written(tmp_path, rows, encoding)
+    guess = guess_of(path)
+    assert codes(guess.missing) == []
+    found = readers.read(path, "csv", CsvMapping.model_validate(guess.mapping))
+    assert set(found.sensors) == {"one", "second"}
+    there = np.isfinite(found.sensors["second"].gyroscope_radps).all(axis=1)
+    assert there.sum() in (LONG - begins, LONG - begins + 1)
+    assert np.isfinite(found.sensors["one"].gyroscope_radps).all()
+
+
+def test_a_file_that_ends_early_has_no_rest(tmp_path):
+    path = written(tmp_path, rows_of("one", 0, 100))
+    assert readers.later_of(path) == ()
+    assert len(readers.later_of(written(tmp_path, rows_of("one", 0, 4200)))) in (1, 2, 3)
+
+
+def test_pieces_are_whole_lines_up_to_the_end(tmp_path):
+    path = written(tmp_path, rows_of("one", 0, 20_000))
+    pieces = readers.later_of(path)
+    assert len(pieces) == 12
+    assert pieces[-1].endswith(path.read_bytes()[-100:])
