@@ -7,7 +7,7 @@ rate while others have theirs; a mark that somebody set, a button or the phase o
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -37,6 +37,7 @@ DEVICE: Final = re.compile(
     r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|unit|gerät|placement|position|location|limb|segment|side"
 )
 """What a column of devices is called."""
+_DEVICE_ITSELF: Final = re.compile(r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|gerät")
 _NO_DEVICE: Final = re.compile(
     r"trial|rep(etition)?|run|set|subject|participant|session|round|block|phase|activity|label|event|seq(uence)?"
     r"|count(er)?|sync|index"
@@ -93,10 +94,18 @@ def devices_of_pieces(
     """
     found = [devices_of_rows(body, columns, time, unit, signals) for body in bodies]
     turns = max((one for one in found if one is not None), key=lambda one: len(one.values), default=None)
-    if turns is None:
-        return None
-    values = dict.fromkeys(value for body in bodies for value in _values(body, turns.column))
-    return replace(turns, values=tuple(values))
+    # One device may stand below the other, or be on after it: a name of devices is not asked for more.
+    for column in [turns.column] if turns else filter(names_devices, columns):
+        values = dict.fromkeys(value for body in bodies for value in _values(body, column))
+        if 2 <= len(values) <= _MOST_DEVICES:
+            return Turns(column, tuple(values), {})
+    return turns
+
+
+def names_devices(column: str) -> bool:
+    """Return whether a column is called as nothing but devices are; a side may be that which a person moved."""
+    words = words_of(column)
+    return any(map(_DEVICE_ITSELF.fullmatch, words)) and not any(map(_NO_DEVICE.fullmatch, words))
 
 
 def devices_of_rows(
@@ -204,4 +213,4 @@ def _quantity_said(value: str) -> str:
     return found if found in _OF_SIGNALS else ""
 
 
-__all__ = ["DEVICE", "Turns", "devices_of_pieces", "devices_of_rows", "kinds_of_rows"]
+__all__ = ["DEVICE", "Turns", "devices_of_pieces", "devices_of_rows", "kinds_of_rows", "names_devices"]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from app import readers
+from app.errors import RecordingFormatError
 from app.readers.tables.schemas import CsvMapping
 from tests.app.readers.odd_tables import FORCE, GYROSCOPE, NINE, numbers
 from tests.said import codes
@@ -55,3 +56,31 @@ def test_pieces_are_whole_lines_up_to_the_end(tmp_path):
     pieces = readers.later_of(path)
     assert len(pieces) == 12
     assert pieces[-1].endswith(path.read_bytes()[-100:])
+
+
+def read(path):
+    return readers.read(path, "csv", CsvMapping.model_validate(guess_of(path).mapping))
+
+
+@pytest.mark.parametrize("head", ["wide", "tall"])
+def test_one_device_below_the_other_begins_with_it(tmp_path, head):
+    rows = [*rows_of("one", 0, 3000), *rows_of("second", 0, 3000)]
+    if head == "tall":
+        rows = [[*row[:2], name, one] for row in rows for name, one in zip(NINE[:6], row[2:], strict=True)]
+    path = written(tmp_path, rows)
+    if head == "tall":
+        path.write_text("time,device,channel,value\n" + path.read_text().split("\n", 1)[1])
+    found = read(path)
+    assert codes(found.notes) == []
+    for name, signals in found.sensors.items():
+        at = (np.arange(3000) + 7 * len(name)) % N
+        np.testing.assert_allclose(signals.time_s, np.arange(3000) / 100, atol=1e-9)
+        np.testing.assert_allclose(signals.gyroscope_radps, GYROSCOPE[at], atol=1e-5)
+    assert set(found.sensors) == {"one", "second"}
+
+
+def test_devices_that_were_never_on_at_once_are_not_taken_for_one(tmp_path):
+    path = written(tmp_path, [*rows_of("one", 0, 3000), *rows_of("second", 3000, 6000)])
+    with pytest.raises(RecordingFormatError) as refused:
+        read(path)
+    assert refused.value.message.code == "table.clocks_apart"

@@ -74,9 +74,7 @@ class TableSensors:
         base = quantities["gyroscope"]
         is_one = len({(one.time_column, *sorted(one.rows.items())) for one in quantities.values()}) == 1
         if is_one and all(share_rows(values["gyroscope"], one) for one in values.values()):
-            # Of one clock for all, whatever any sensor holds tells a row that was written twice.
-            of = quantities.values() if base.rows or base.time_column else self._mapping.signals
-            stream = self._stream(base, *of)
+            stream = self._stream(base, *self._beside(quantities))
             found = {name: one[stream.rows] for name, one in values.items()}
         else:
             stream = self._stream(base, base)
@@ -90,6 +88,17 @@ class TableSensors:
         return SensorSignals(
             stream.time_s, found["gyroscope"], found["accelerometer"], found.get("magnetometer")
         )
+
+    def _beside(self, quantities: dict[str, CsvColumn]) -> list[CsvColumn]:
+        """Return the signals in the rows of a sensor: whatever they hold tells a row that was written twice."""
+        base = quantities["gyroscope"]
+        if base.rows or base.time_column:
+            return list(quantities.values())
+        return [one for one in self._mapping.signals if share_rows(self._first(base), self._first(one))]
+
+    def _first(self, signal: CsvColumn) -> Float:
+        """Return the first axis of a signal, shape (T, 1)."""
+        return np.asarray(self._table[source_of(signal.columns[0], self._head)[0]][:, np.newaxis])
 
     def _check(
         self, placement: str, quantities: dict[str, CsvColumn], found: dict[str, Float], step_s: float

@@ -12,7 +12,7 @@ from app.readers.tables.clocks.guess import TimeGuess, guess_time
 from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, placement_of, quantity_of, side_of, words_of
-from app.readers.tables.rows import DEVICE, devices_of_rows
+from app.readers.tables.rows import DEVICE, devices_of_rows, names_devices
 from app.readers.tables.units import Body
 
 _VALUE: Final = frozenset({"value", "values", "val", "wert", "messwert", "reading", "measurement", "data"})
@@ -27,8 +27,6 @@ _MOST_TEXTS: Final = 60
 """Different texts in a column that says what a value is of."""
 _DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
 _MOST_DEVICES: Final = 17
-_DEVICE_ITSELF: Final = re.compile(r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|gerät")
-"""What a column is called that can say nothing but a device; a side may be that which a person moved."""
 _MOST_TRIED: Final = 9
 """Signals whose rows are looked at: a gyroscope at rest tells no devices apart, a direction of gravity does."""
 _TWICE: Final = (0.1, 0.01)
@@ -131,7 +129,7 @@ def _tells_devices(
     column: str, bodies: Sequence[Body], names: list[str], clock: TimeGuess, value: str
 ) -> bool:
     """Return whether the names come for each text of a column, at the same times or in turns."""
-    if any(map(_DEVICE_ITSELF.fullmatch, words_of(column))):
+    if names_devices(column):
         several = {one for body in bodies for one in body.texts(column) if one and one != column}
         return 2 <= len(several) <= _MOST_DEVICES
     for body in bodies:
