@@ -11,6 +11,8 @@ from estimators.recording import Float
 
 _MOST_WINDOWS: Final = 40
 """Four minutes in which the sensor turned: they say what a recording can say."""
+_MOST_RESTS: Final = 10
+"""Of those windows: a rest says the offset best where the body accelerates much, though nothing turned in it."""
 _MOST_LIVE_WINDOWS: Final = 6
 _LIVE_SEEN: Final = 10
 """Of a live session, which only warns, once: those of its first minute that turned most; they are let go then."""
@@ -47,9 +49,9 @@ class ForceEvidence:
         if pieces is None:
             return
         self._seen += len(pieces.rate)
-        known = self._windows.turned
-        if len(known) == self._most:
-            pieces = pieces[pieces.turned > known.min()]
+        if len(self._windows.turned) == self._most:
+            turned = pieces.turned
+            pieces = pieces[(turned < STILL) | (turned > self._worth().min())]
         count = len(pieces.rate)
         if count:
             self._take(pieces, count)
@@ -62,10 +64,18 @@ class ForceEvidence:
         if self._keeps_readings:
             self._readings += [pieces[np.arange(count) == k] for k in range(count)]
         self._keep(_said_once(self._windows))
-        if len(self._windows.turned) > self._most:
-            order = np.argsort(-self._windows.turned, kind="stable")
+        worth = self._worth()
+        if len(worth) > self._most:
+            order = np.argsort(-worth, kind="stable")
             self._keep(np.argsort(order) < self._most)
         self._is_new = True
+
+    def _worth(self) -> Float:
+        """Return how much each window turned, and of the first rests of a recording, that they stay, shape (W,)."""
+        turned = self._windows.turned
+        is_rest = turned < STILL
+        stays = self._keeps_readings & is_rest & (np.cumsum(is_rest) <= _MOST_RESTS)
+        return np.where(stays, np.inf, turned)
 
     def _keep(self, which: NDArray[np.bool_]) -> None:
         self._windows = self._windows[which]
