@@ -128,6 +128,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.unit_from_numbers": "The columns {columns:and} say no unit; their numbers are {unit:unit}.",
     "guess.no_unit": "The columns {columns:and} say no unit, and with a size of {size:number~3} their numbers are"
     " neither m/s² nor g nor mg; convert them first.",
+    "guess.unit_of_others": "The columns {columns:and} say no unit and their numbers none either; {unit:unit} is taken,"
+    " as of the other sensors.",
     "guess.unit_assumed": "The columns {columns:and} say no unit and their numbers none either; {unit:unit} is"
     " assumed.",
 }

@@ -98,7 +98,11 @@ def guess_of_head(
         notes.append(say("guess.own_clocks", columns=sorted(set(clocks.values()))))
     notes += time.notes
     missing += time.missing
-    known = [_with_unit(bodies, one, triples, time, notes, missing) for one in triples]
+    units = [one.unit or _unit_of_numbers(bodies, one, triples, time) for one in triples]
+    turning = {u for one, u in zip(triples, units, strict=True) if u and one.quantity == "gyroscope"}
+    known = [
+        _with_unit(bodies, one, u, turning, notes, missing) for one, u in zip(triples, units, strict=True)
+    ]
     triples = [one for one in known if one is not None]
     if len(triples) < len(known):
         # Magnetometers all or none.
@@ -133,12 +137,15 @@ def _why_none(head: TableHead, left_out: list[Triple]) -> Sentence:
 def _with_unit(
     bodies: list[Body],
     one: Triple,
-    all_: list[Triple],
-    time: TimeGuess,
+    unit: str,
+    turning: set[str],
     notes: list[Sentence],
     missing: list[Sentence],
 ) -> Triple | None:
-    """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out."""
+    """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out.
+
+    A gyroscope that rests says none: then it has that of all others, `turning`.
+    """
     mine = [body.of_rows(one.rows).numbers(*one.columns) for body in bodies]
     whole = np.concatenate([values[np.isfinite(values).all(axis=1)] for values in mine])
     if one.quantity == "magnetometer" and not len(whole):
@@ -146,8 +153,6 @@ def _with_unit(
         return None
     if one.unit:
         return one
-    units = (_unit_of_numbers(body, one, all_, time) for body in bodies)
-    unit = next((unit for unit in units if unit), "")
     if one.quantity == "accelerometer" and not unit:
         size = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else float("nan")
         missing.append(say("guess.no_unit", columns=list(one.columns), size=size))
@@ -159,14 +164,22 @@ def _with_unit(
         notes.append(say("guess.field_relative", columns=list(one.columns)))
     elif unit:
         notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
+    elif len(turning) == 1:
+        (unit,) = turning
+        notes.append(say("guess.unit_of_others", columns=list(one.columns), unit=unit))
     else:
         unit = _DEFAULT[one.quantity]
         notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=unit))
     return replace(one, unit=unit)
 
 
-def _unit_of_numbers(body: Body, one: Triple, all_: list[Triple], time: TimeGuess) -> str:
-    """Return the unit that some rows of a signal are in; empty where they do not say it."""
+def _unit_of_numbers(bodies: list[Body], one: Triple, all_: list[Triple], time: TimeGuess) -> str:
+    """Return the unit that the numbers of a signal are in; empty where they do not say it."""
+    units = (_unit_of_rows(body, one, all_, time, is_brief=at > 0) for at, body in enumerate(bodies))
+    return next((unit for unit in units if unit), "")
+
+
+def _unit_of_rows(body: Body, one: Triple, all_: list[Triple], time: TimeGuess, *, is_brief: bool) -> str:
     mine = body.of_rows(one.rows)
     values = mine.numbers(*one.columns)
     if one.quantity == "accelerometer":
@@ -176,10 +189,11 @@ def _unit_of_numbers(body: Body, one: Triple, all_: list[Triple], time: TimeGues
     force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
     forces = mine.numbers(*force.columns)
     if (force.rows, force.clock) == (one.rows, one.clock) and share_rows(values, forces):
-        return gyroscope_unit(values, forces, time.step_s)
+        return gyroscope_unit(values, forces, time.step_s, is_brief=is_brief)
     at_s, values = _in_time(mine, one, time)
     forces = joined(*_in_time(body.of_rows(force.rows), force, time), at_s)
-    return gyroscope_unit(values, forces, usual_interval(at_s) if at_s.size > 1 else None)
+    step_s = usual_interval(at_s) if at_s.size > 1 else None
+    return gyroscope_unit(values, forces, step_s, is_brief=is_brief)
 
 
 def _in_time(body: Body, one: Triple, time: TimeGuess) -> tuple[Float, Float]:

@@ -160,7 +160,7 @@ def magnetometer_unit(values: Float) -> str:
     return _fitting(values, _FIELD_T, ("uT", "G", "mG", "T", "mT"))
 
 
-def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None) -> str:
+def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None, *, is_brief: bool = False) -> str:
     """Return the unit in which the gyroscope turns as far as gravity does; empty when nothing tells.
 
     Parameters
@@ -169,6 +169,8 @@ def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None) -> str:
         As written; the force in any unit.
     step_s : float or None
         Between two rows.
+    is_brief : bool
+        A moment in which a sensor that turns about the vertical looks as one that rests.
     """
     turning = np.linalg.norm(gyroscope[np.isfinite(gyroscope).all(axis=1)], axis=1)
     fastest = float(np.percentile(turning, 99.0)) if turning.size >= _FEWEST else 0.0
@@ -181,6 +183,8 @@ def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None) -> str:
         return ""
     if step_s and (found := _by_turning(gyroscope, force / size[:, None], size, step_s)):
         return found
+    if is_brief:
+        return ""
     is_still = float(np.std(force, axis=0).max()) < _STILL_SHARE * float(np.median(size))
     return "deg/s" if is_still and float(np.median(turning)) > _RESTING_RADPS else ""
 

@@ -237,6 +237,8 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guess.not_whole": "Kein Sensor hat sowohl eine Drehrate als auch eine Beschleunigung; beides ist nötig.",
     "guess.orientation_only": "Die Tabelle enthält Orientierungen ({columns:and}), nicht was die Sensoren"
     " messen; exportieren Sie auch Drehrate und Beschleunigung.",
+    "guess.unit_of_others": "Die Spalten {columns:and} nennen keine Einheit, und auch ihre Zahlen verraten keine;"
+    " genommen wird {unit:unit} wie bei den anderen Sensoren.",
     "guess.unit_assumed": "Die Spalten {columns:and} nennen keine Einheit, und auch ihre Zahlen verraten keine;"
     " angenommen wird {unit:unit}.",
     "guess.field_relative": "Die Spalten {columns:and} nennen keine Einheit und sind etwa von der Größe eins: Sie"

@@ -174,3 +174,25 @@ def test_a_field_that_lacks_an_axis_is_stored_as_none(tmp_path, lost):
     stored = readers.packets_of(readers.read(path, "csv", mapping), any_name=True).as_stored()
     there = np.isfinite(stored.sensors["imu"].magnetometer_t)
     np.testing.assert_array_equal(there, np.repeat((np.arange(400) % 7 != 0)[:, None], 3, axis=1))
+
+
+def test_a_gyroscope_that_rests_has_the_unit_of_the_others(tmp_path):
+    """Its numbers are as small in degrees as in radians; before, radians were assumed beside degrees."""
+    time_s = np.arange(600) / 100.0
+    angle = 1.2 * np.sin(2.0 * np.pi * 0.5 * time_s)
+    rate = np.degrees(np.gradient(angle, time_s))
+    rest = [["0.03", f"0.0{k % 4}", "-0.01", "0.1", "0.2", f"9.8{k % 3}"] for k in range(600)]
+    swing = [["0", f"{9.8 * np.sin(a):.4f}", f"{9.8 * np.cos(a):.4f}"] for a in angle]
+    rows = [
+        [f"{t:.2f}", f"{w:.3f}", "0.02", "0.01", *force, *still]
+        for t, w, force, still in zip(time_s, rate, swing, rest, strict=True)
+    ]
+    names = [
+        f"{name}_{quantity}_{a}" for name in ("one", "two") for quantity in ("gyr", "acc") for a in "xyz"
+    ]
+    path = tmp_path / "rests.csv"
+    path.write_text("\n".join(",".join(row) for row in [["time", *names], *rows]) + "\n")
+    guess = guess_of_head(head_of_file(path))
+    units = {one["sensor"]: one["unit"] for one in guess.mapping["signals"] if one["quantity"] == "gyroscope"}
+    assert units == {"one": "deg/s", "two": "deg/s"}
+    assert "guess.unit_of_others" in codes(guess.notes)

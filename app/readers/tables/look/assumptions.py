@@ -154,6 +154,7 @@ def _leaves_any(note: Sentence, _: Guess, mapping: GuessedMapping) -> bool:
 _STILL: Final[dict[str, Callable[[Sentence, Guess, GuessedMapping], bool]]] = {
     "guess.unit_from_numbers": _has_unit,
     "guess.unit_assumed": _has_unit,
+    "guess.unit_of_others": _has_unit,
     "guess.rate_left": _has_clock,
     "guess.own_clocks": _has_own_clocks,
     "guess.devices": _has_rows,

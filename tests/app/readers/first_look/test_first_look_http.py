@@ -72,3 +72,21 @@ def test_the_hemisphere_of_the_service_is_said(therapist, settings: Settings):
     assert "guess.hemisphere_north" in said
     said = [one["code"] for one in previewed(therapist, content, hemisphere="south")["sentences"]["notes"]]
     assert "guess.hemisphere_south" in said
+
+
+def test_a_device_that_begins_later_is_shown(therapist):
+    """By pieces of the rest of the file, as many and as large as the page sends."""
+    line = "{:.2f},{},0.1,0.2,0.{},0.1,0.2,9.{}"
+    rows = [
+        line.format(k / 100, name, k % 7, k % 5 + 6)
+        for k in range(16_000)
+        for name in ("one", "two")
+        if name == "one" or k > 9000
+    ]
+    content = "\n".join(["time,DeviceName,gx,gy,gz,ax,ay,az", *rows, ""]).encode()
+    later = [b64encode(content[at : at + 32 * 1024]).decode() for at in range(300_000, len(content), 55_000)]
+    alone = previewed(therapist, content[: 256 * 1024])
+    found = previewed(therapist, content[: 256 * 1024], later=later[:12])
+    assert [one["where"] for one in alone["sensors"]] == ["imu"]
+    assert [one["where"] for one in found["sensors"]] == ["one", "two"]
+    assert found["missing"] == []

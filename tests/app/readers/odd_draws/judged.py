@@ -36,15 +36,16 @@ def judge(draw: Draw) -> Verdict:
     """Read a table as `telemotion process --guess` does and compare it with what was drawn."""
     name = "table.csv"
     try:
-        found = readers.preview_text(name, draw.content[: readers.HEAD_BYTES], None, draw.said_hz).guess
-        if found is None:
-            return Verdict(WRONG, "taken for another format")
-        if found.missing:
-            return Verdict(REFUSED, f"missing {codes(found.missing)}")
-        mapping = _turned(found.mapping, draw.turned)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / name
             path.write_bytes(draw.content)
+            start, later = readers.start_of(path), readers.later_of(path)
+            found = readers.preview_text(name, start, None, draw.said_hz, later).guess
+            if found is None:
+                return Verdict(WRONG, "taken for another format")
+            if found.missing:
+                return Verdict(REFUSED, f"missing {codes(found.missing)}")
+            mapping = _turned(found.mapping, draw.turned)
             recording = readers.read(path, "csv", CsvMapping.model_validate(mapping))
     except RecordingFormatError as error:
         return Verdict(REFUSED, f"{codes(error.message)}")
