@@ -13,7 +13,7 @@ from app.readers.tables.clocks.guess import TimeGuess, guess_time, own_clocks
 from app.readers.tables.clocks.mended import spaced, usual_interval
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import is_orientation, placement_of, side_of
-from app.readers.tables.rows import devices_of_pieces, kinds_of_rows
+from app.readers.tables.rows import devices_of_pieces, kinds_of_rows, only_device
 from app.readers.tables.streams import joined, share_rows
 from app.readers.tables.triples import Triple, of_devices, of_kinds, triples_of, whole_sensors
 from app.readers.tables.units import (
@@ -92,6 +92,9 @@ def guess_of_head(
             triples = of_devices(triples, turns)
             notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
             time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)
+        elif head.later and (only := only_device(mine, others)):
+            # Rows of another one, between what was looked at, are none of it.
+            triples = [replace(one, rows={**one.rows, **only}) for one in triples]
     if clocks := own_clocks(head, body, [(one.device, one.quantity) for one in triples], signals_of):
         triples = [replace(one, clock=clocks[one.device, one.quantity]) for one in triples]
         time = replace(time, column=triples[0].clock, notes=())

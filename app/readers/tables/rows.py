@@ -38,6 +38,7 @@ DEVICE: Final = re.compile(
 )
 """What a column of devices is called."""
 _DEVICE_ITSELF: Final = re.compile(r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|gerät")
+_OF_NAMES: Final = frozenset({"name", "id", "nr", "no", "number", "uuid"})
 _NO_DEVICE: Final = re.compile(
     r"trial|rep(etition)?|run|set|subject|participant|session|round|block|phase|activity|label|event|seq(uence)?"
     r"|count(er)?|sync|index"
@@ -102,10 +103,21 @@ def devices_of_pieces(
     return turns
 
 
+def only_device(bodies: Sequence[Body], columns: list[str]) -> dict[str, str]:
+    """Return the column of devices in which all rows of some pieces hold one text, with that; empty where none does."""
+    for column in filter(names_devices, columns):
+        values = {value for body in bodies for value in body.texts(column) if value != column}
+        if len(values) == 1 and "" not in values:
+            return {column: values.pop()}
+    return {}
+
+
 def names_devices(column: str) -> bool:
     """Return whether a column is called as nothing but devices are; a side may be that which a person moved."""
     words = words_of(column)
-    return any(map(_DEVICE_ITSELF.fullmatch, words)) and not any(map(_NO_DEVICE.fullmatch, words))
+    # `imu3 button` is something of a device.
+    of_devices = [word for word in words if _DEVICE_ITSELF.fullmatch(word)]
+    return bool(of_devices) and set(words) <= {*of_devices, *_OF_NAMES}
 
 
 def devices_of_rows(
@@ -213,4 +225,12 @@ def _quantity_said(value: str) -> str:
     return found if found in _OF_SIGNALS else ""
 
 
-__all__ = ["DEVICE", "Turns", "devices_of_pieces", "devices_of_rows", "kinds_of_rows", "names_devices"]
+__all__ = [
+    "DEVICE",
+    "Turns",
+    "devices_of_pieces",
+    "devices_of_rows",
+    "kinds_of_rows",
+    "names_devices",
+    "only_device",
+]

@@ -84,3 +84,21 @@ def test_devices_that_were_never_on_at_once_are_not_taken_for_one(tmp_path):
     with pytest.raises(RecordingFormatError) as refused:
         read(path)
     assert refused.value.message.code == "table.clocks_apart"
+
+
+def test_rows_of_a_device_between_what_was_looked_at_are_none_of_the_other(tmp_path):
+    rows = rows_of("one", 0, 40_000)
+    rows[15_000:15_000] = rows_of("second", 15_000, 15_040)
+    found = read(written(tmp_path, rows))
+    (signals,) = found.sensors.values()
+    np.testing.assert_allclose(signals.gyroscope_radps, GYROSCOPE[(np.arange(40_000) + 21) % N], atol=1e-5)
+    (said,) = [one for one in found.notes if one.code == "table.rows_of_none"]
+    assert (said.parameters["count"], said.parameters["values"]) == (40, ["second"])
+
+
+def test_a_button_of_a_device_names_no_device(tmp_path):
+    rows = [[row[0], str(int(k > 3000)), *row[2:]] for k, row in enumerate(rows_of("one", 0, 6000))]
+    path = written(tmp_path, rows)
+    path.write_text(path.read_text().replace("DeviceName", "imu3 button"))
+    (signals,) = read(path).sensors.values()
+    np.testing.assert_allclose(signals.gyroscope_radps, GYROSCOPE[(np.arange(6000) + 21) % N], atol=1e-5)
