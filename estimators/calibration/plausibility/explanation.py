@@ -14,8 +14,8 @@ from estimators.recording import Float
 Triad = Literal["gyroscope", "accelerometer", "magnetometer"]
 
 DOUBT: Final = 4.0
-"""Logarithm of the likelihood that another reading must gain before it is named. Sound recordings stay below two
-and a half."""
+"""Logarithm of the likelihood that another reading must gain before it is named. Of 460 sound recordings, as files and
+at each look of a live session, one gained 2.6 and all others less than 1.3."""
 CERTAIN: Final = 4.5
 """The same before a recording is refused."""
 _LEAST_PACED: Final = 4
