@@ -10,7 +10,7 @@ import numpy as np
 
 from app.errors import Unavailable
 from app.live.checks.live_words import in_live_words
-from app.live.checks.plausibility import Check, Known, check
+from app.live.checks.plausibility import Check, check, packed
 from app.live.checks.recent import LATE_TICKS, RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, TwoLooks, in_words
 from estimators.recording import Float, ImuChunk
@@ -105,8 +105,7 @@ class FirstSeconds:
         """The newest ticks; whoever writes them there calls `seen`."""
         self._from_tick = NOTHING
         """First tick not looked at yet; it may have left the ring."""
-        self._is_interrupted = False
-        self._known = Known.of(RecordingCheck(self._names, hemisphere, clip_levels))
+        self._known = packed(RecordingCheck(self._names, hemisphere, clip_levels))
         self._looks = TwoLooks()
         self._gone: set[str] = set()
         self._told: dict[tuple[str, str], Finding] = {}
@@ -152,14 +151,10 @@ class FirstSeconds:
             return
         if self._checking is not None and not self._checking.done():
             return
-        if is_late and not self._is_interrupted:
-            # Others have had the turn for so long that samples between this check and the last are gone.
-            self._known = Known(self._known.interrupted, self._known.interrupted)
-            self._is_interrupted = True
         if self._turns is not None and not self._turns.begin():
             return
         self._next_s = end_s + CHECK_EVERY_S
-        self._from_tick, self._is_interrupted = NOTHING, False
+        self._from_tick = NOTHING
         newest = self.recent.chunk(from_tick, stop_tick, self._step_s)
         self._checking = asyncio.get_running_loop().create_task(self._check(newest, end_s))
         if self._turns is not None:
@@ -181,7 +176,7 @@ class FirstSeconds:
         for name in gone:
             self._looks.forget(name)
         try:
-            checked = await asyncio.to_thread(self._work, self._known.whole, newest, gone)
+            checked = await asyncio.to_thread(self._work, self._known, newest, gone)
         except Unavailable:
             # The service is stopping.
             return None

@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from typing import Final, NamedTuple, Self
+from typing import Final, NamedTuple
 
 from app.errors import Unavailable
 from app.sentences import say
@@ -31,35 +31,13 @@ MEMORY_BYTES: Final = 4 << 30
 """Address space of the process: what it imports takes one gigabyte of it, a check some megabytes."""
 
 
-class Known(NamedTuple):
-    """What is known of a stream, for its next check.
-
-    Attributes
-    ----------
-    whole : bytes
-        A packed `RecordingCheck`.
-    interrupted : bytes
-        The same after its `interrupt`, a fraction of the size: for a stretch that does not follow at once.
-    """
-
-    whole: bytes
-    interrupted: bytes
-
-    @classmethod
-    def of(cls, check: RecordingCheck) -> Self:
-        """Pack a check, which is interrupted by it."""
-        whole = pickle.dumps(check, pickle.HIGHEST_PROTOCOL)
-        check.interrupt()
-        return cls(whole, pickle.dumps(check, pickle.HIGHEST_PROTOCOL))
-
-
 class Checked(NamedTuple):
     """What a check found.
 
     Attributes
     ----------
-    known : Known
-        What is known of the whole stream now.
+    known : bytes
+        What is known of the whole stream now: a packed `RecordingCheck`.
     findings : list of Finding
     clip_levels : ndarray, shape (S, 2, 2, 3)
         As of `RecordingCheck`.
@@ -67,7 +45,7 @@ class Checked(NamedTuple):
         Processor time that it took.
     """
 
-    known: Known
+    known: bytes
     findings: list[Finding]
     clip_levels: Float
     cost_s: float
@@ -82,7 +60,7 @@ def check(known: bytes, chunk: ImuChunk, gone: Collection[str] = ()) -> Checked:
     Parameters
     ----------
     known : bytes
-        Of what came before: one of `Known`.
+        Of what came before; see `packed`.
     chunk : ImuChunk
         What came since.
     gone : collection of str
@@ -95,8 +73,12 @@ def check(known: bytes, chunk: ImuChunk, gone: Collection[str] = ()) -> Checked:
     state.add(chunk)
     # A sensor that sends nothing is reported as lost by the health of the link.
     found = [finding for finding in state.findings if finding.code != "no_data"]
-    levels = state.clip_levels
-    return Checked(Known.of(state), found, levels, time.thread_time() - began_s)
+    return Checked(packed(state), found, state.clip_levels, time.thread_time() - began_s)
+
+
+def packed(state: RecordingCheck) -> bytes:
+    """Return what a check knows as the service holds it."""
+    return pickle.dumps(state, pickle.HIGHEST_PROTOCOL)
 
 
 class CheckProcess:
@@ -179,4 +161,4 @@ def _begin() -> None:
     threading.Thread(target=leave_with_parent, name="leave-with-parent", daemon=True).start()
 
 
-__all__ = ["Check", "CheckProcess", "Checked", "Known", "check"]
+__all__ = ["Check", "CheckProcess", "Checked", "check", "packed"]

@@ -6,8 +6,8 @@ rate while others have theirs; a mark that somebody set, a button or the phase o
 
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -39,6 +39,7 @@ DEVICE: Final = re.compile(
 """What a column of devices is called."""
 _DEVICE_ITSELF: Final = re.compile(r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|gerät")
 _OF_NAMES: Final = frozenset({"name", "id", "nr", "no", "number", "uuid"})
+_DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
 _NO_DEVICE: Final = re.compile(
     r"trial|rep(etition)?|run|set|subject|participant|session|round|block|phase|activity|label|event|seq(uence)?"
     r"|count(er)?|sync|index"
@@ -94,20 +95,63 @@ def devices_of_pieces(
         See `devices_of_rows`.
     """
     found = [devices_of_rows(body, columns, time, unit, signals) for body in bodies]
-    turns = max((one for one in found if one is not None), key=lambda one: len(one.values), default=None)
-    # One device may stand below the other, or be on after it: a name of devices is not asked for more.
-    for column in [turns.column] if turns else filter(names_devices, columns):
-        values = dict.fromkeys(value for body in bodies for value in _values(body, column))
-        if 2 <= len(values) <= _MOST_DEVICES:
-            return Turns(column, tuple(values), {})
-    return turns
+    if turns := max((one for one in found if one is not None), key=lambda one: len(one.values), default=None):
+        return replace(turns, values=_often(bodies, turns.column) or turns.values)
+    for column in columns:
+        values = _often(bodies, column)
+        # Devices that are named, and were never on at once, are not one; numbers may be marks.
+        are_apart = names_devices(column) and not any(map(is_number, values))
+        if 2 <= len(values) <= _MOST_DEVICES and (
+            are_apart or follow_each_other(bodies, column, values, time, unit)
+        ):
+            return Turns(column, values, {})
+    return None
+
+
+def follow_each_other(
+    bodies: Sequence[Body], column: str, values: Collection[str], time: str | None, unit: str
+) -> bool:
+    """Return whether one device stands below the other: time begins again with each text of a column.
+
+    Parameters
+    ----------
+    bodies : sequence of Body
+        Of the beginning of a table, and of pieces of its rest, in their order.
+    column : str
+        Called as devices are, or holding places; else it may say what was done, one run after the other.
+    values : collection of str
+        That it holds.
+    time : str or None
+    unit : str
+    """
+    words = words_of(column)
+    if time is None or any(map(_NO_DEVICE.fullmatch, words)) or any(map(_DECIMAL.fullmatch, values)):
+        return False
+    if not any(map(DEVICE.fullmatch, words)) and not all(placement_of(one) or side_of(one) for one in values):
+        return False
+    at = np.concatenate([body.times(time, unit) for body in bodies])
+    texts = np.array([text for body in bodies for text in body.texts(column)], dtype=str)
+    rows = np.isfinite(at) & np.isin(texts, list(values))
+    at, texts = at[rows], texts[rows]
+    again = np.diff(at) < 0.0
+    each = [at[texts == value] for value in values]
+    # Of a recording that was begun anew, as of stamps that go to and fro, time falls within a text too.
+    if (
+        not again.any()
+        or (texts[1:] == texts[:-1])[again].any()
+        or any((np.diff(a) < 0.0).any() for a in each)
+    ):
+        return False
+    begun, ended = [a[0] for a in each], [a[-1] for a in each]
+    return bool(min(ended) - max(begun) > _OVERLAP * min(np.subtract(ended, begun)))
 
 
 def only_device(bodies: Sequence[Body], columns: list[str]) -> dict[str, str]:
     """Return the column of devices in which all rows of some pieces hold one text, with that; empty where none does."""
     for column in filter(names_devices, columns):
         values = {value for body in bodies for value in body.texts(column) if value != column}
-        if len(values) == 1 and "" not in values:
+        # A column of numbers may be one of marks, such as a button.
+        if len(values) == 1 and not all(not value or is_number(value) for value in values):
             return {column: values.pop()}
     return {}
 
@@ -138,9 +182,7 @@ def devices_of_rows(
     """
     for column in columns:
         values, words = _values(body, column), words_of(column)
-        if not 2 <= len(values) <= _MOST_DEVICES or any(
-            re.fullmatch(r"[+-]?\d*[.,]\d+", one) for one in values
-        ):
+        if not 2 <= len(values) <= _MOST_DEVICES or any(map(_DECIMAL.fullmatch, values)):
             continue
         texts = np.array(body.texts(column))
         is_mark = any(map(_NO_DEVICE.fullmatch, words))
@@ -209,7 +251,11 @@ def _take_turns(parts: list[Float], *, is_named: bool) -> bool:
 
 
 def _values(body: Body, column: str) -> tuple[str, ...]:
-    counted = Counter(text for text in body.texts(column) if text and text != column)
+    return _often([body], column)
+
+
+def _often(bodies: Sequence[Body], column: str) -> tuple[str, ...]:
+    counted = Counter(text for body in bodies for text in body.texts(column) if text and text != column)
     # A head that stands again, or a damaged row, is no value that takes turns.
     often = tuple(text for text, rows in counted.items() if rows >= _FEWEST_ROWS)
     return often if len(often) <= 4 * _MOST_DEVICES else ()
@@ -230,6 +276,7 @@ __all__ = [
     "Turns",
     "devices_of_pieces",
     "devices_of_rows",
+    "follow_each_other",
     "kinds_of_rows",
     "names_devices",
     "only_device",

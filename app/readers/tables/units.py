@@ -170,11 +170,11 @@ def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None, *, is_b
     step_s : float or None
         Between two rows.
     is_brief : bool
-        A moment in which a sensor that turns about the vertical looks as one that rests.
+        A moment: a sensor that turns about the vertical looks as one that rests, and one false reading as its fastest.
     """
     turning = np.linalg.norm(gyroscope[np.isfinite(gyroscope).all(axis=1)], axis=1)
     fastest = float(np.percentile(turning, 99.0)) if turning.size >= _FEWEST else 0.0
-    if fastest > _FASTEST_RADPS:
+    if fastest > _FASTEST_RADPS and not is_brief:
         return "deg/s" if fastest * TO_SI["deg/s"] < 2.0 * _FASTEST_RADPS else "mdps"
     rows = np.isfinite(gyroscope).all(axis=1) & np.isfinite(force).all(axis=1)
     gyroscope, force = gyroscope[rows], force[rows]

@@ -52,6 +52,8 @@ class Explanation:
         No other mapping of these triads, and no other unit, does about as well.
     pace : float
         How many times as far as the gyroscope says the sensor turns, where a wrong clock or range explains it; else 1.
+    is_brief : bool
+        A pace would explain it, of too few windows to be named: a jump looks the same.
     """
 
     triads: frozenset[Triad]
@@ -62,6 +64,7 @@ class Explanation:
     fits: bool
     is_clear: bool
     pace: float = 1.0
+    is_brief: bool = False
 
     @property
     def is_certain(self) -> bool:
@@ -71,7 +74,8 @@ class Explanation:
     @property
     def is_amiss(self) -> bool:
         """Whether something is certainly wrong that this does not explain: as they are the readings fit far worse."""
-        return not self.fits and self.gain >= CERTAIN and self.gain_over_silence >= CERTAIN
+        least = DOUBT if self.is_brief else CERTAIN
+        return not self.fits and self.gain >= least and self.gain_over_silence >= least
 
 
 def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
@@ -96,7 +100,7 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     best = min(float(cost.min()) for cost in costs.values())
     if (at_pace := _pace(evidence, plain, best)) is not None:
         is_enough = evidence.windows.max() >= _LEAST_PACED
-        return at_pace if is_enough else replace(at_pace, fits=False, pace=1.0)
+        return at_pace if is_enough else replace(at_pace, fits=False, pace=1.0, is_brief=True)
     if plain - best < DOUBT:
         return None
     near: dict[Triad, tuple[int, int]] = {}

@@ -136,7 +136,8 @@ class Readings:
         size = np.linalg.norm(field, axis=1)
         middle = float(np.median(size))
         iron = self.dip.iron()
-        iron *= min(1.0, _USUAL_IRON * middle / max(float(np.linalg.norm(iron)), 1e-300))
+        if float(np.linalg.norm(iron)) > _USUAL_IRON * middle:
+            iron = np.zeros(3)
         spread = min(float(np.std(size)), float(np.std(np.linalg.norm(field - iron, axis=1))))
         self.field_t.add(middle)
         self.field_spread.add(spread / max(middle, 1e-300))

@@ -133,7 +133,7 @@ class RecordingCheck:
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
 
     def interrupt(self) -> None:
-        """Forget what only a stretch that follows at once goes on from, much of the memory: it does not come."""
+        """Forget what only a stretch that follows at once goes on from: it does not come."""
         self._screen = None
         for sensor in self._sensors:
             sensor.joined.forget()
@@ -234,7 +234,9 @@ class _Verdict:
             is_of_axes = explanation is not None and explanation.scale == explanation.pace == 1.0
             if is_force_alive and explanation is not None and is_of_axes and self._decides(explanation):
                 self._axes(explanation, hemisphere if is_field_alive else "unknown")
-            if explanation is not None and explanation.is_amiss:
+            # Turns that are cut off look like a pace, and are said by themselves.
+            is_said = explanation is not None and explanation.is_brief and self._is_cut_off()
+            if explanation is not None and explanation.is_amiss and not is_said:
                 self._unexplained(explanation)
         if is_force_alive and is_field_alive and hemisphere != "unknown":
             self._sign(hemisphere)

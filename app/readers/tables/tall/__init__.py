@@ -64,6 +64,8 @@ class Tall:
         What the names say of each column of `wide`, in the order of a sample.
     wide : TableHead
         With a row for each sample: the columns that are beside, then a column for each signal.
+    late : frozenset of tuple of str
+        Signals that are not in the beginning: a mapping that was made by that alone leaves them out.
     """
 
     raw: TableHead
@@ -73,6 +75,7 @@ class Tall:
     order: Order
     signals: tuple[tuple[str, ...], ...]
     wide: TableHead
+    late: frozenset[tuple[str, ...]] = frozenset()
 
     @property
     def called(self) -> list[str]:
@@ -107,7 +110,9 @@ class Tall:
         called = [tuple(one) for one in zip(*(table[name].tolist() for name in self.names), strict=True)]
         known = {signal: at for at, signal in enumerate(self.signals)}
         signal = np.array([known.get(tuple(str(one or "").strip() for one in said), -1) for said in called])
-        notes = (*notes, *_said_of_others(self, called, signal))
+        of = dict(zip(self.signals, self.called, strict=True))
+        left_out = [known[one] for one in self.late if of[one] not in wanted]
+        notes = (*notes, *_said_of_others(self, called, (signal < 0) | np.isin(signal, left_out)))
         there = signal >= 0
         stamps = None if self.clock is None else table[self.clock][there]
         place = places(signal[there], stamps, self.order, self.quantities)
@@ -156,7 +161,8 @@ def tall_of(head: TableHead) -> Tall | None:
         # A stamp of several samples does not say which of two rates belong together.
         is_one = is_cycle(whole.numbered(first)) and not share_stamps(pieces[0].stamps)
         order = "turns" if is_one else "apart"
-    found = Tall(head, chosen, value, clock.column, order, tuple(first), head)
+    late = frozenset(first) - set(pieces[0].called)
+    found = Tall(head, chosen, value, clock.column, order, tuple(first), head, late)
     lines = [_lines(found, piece.numbered(first), piece.texts) for piece in pieces]
     return replace(found, wide=_wide(found, lines))
 
@@ -232,11 +238,11 @@ def _name(said: tuple[str, ...], *, has_unit: bool) -> str:
 
 
 def _said_of_others(
-    tall: Tall, called: Sequence[tuple[Any, ...]], signal: NDArray[np.intp]
+    tall: Tall, called: Sequence[tuple[Any, ...]], is_left_out: NDArray[np.bool_]
 ) -> list[Sentence]:
-    """Say which rows are of no signal that stands in the beginning."""
+    """Say which rows are left out: of no signal that was looked at, or of one that came late and is not mapped."""
     others = Counter(
-        " ".join(str(one or "").strip() for one in called[at]) for at in np.flatnonzero(signal < 0).tolist()
+        " ".join(str(one or "").strip() for one in called[at]) for at in np.flatnonzero(is_left_out).tolist()
     )
     column = " ".join(tall.names)
     notes = []

@@ -12,7 +12,7 @@ from app.readers.tables.clocks.guess import TimeGuess, guess_time
 from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, placement_of, quantity_of, side_of, words_of
-from app.readers.tables.rows import DEVICE, devices_of_rows, names_devices
+from app.readers.tables.rows import DEVICE, devices_of_rows, follow_each_other, names_devices
 from app.readers.tables.units import Body
 
 _VALUE: Final = frozenset({"value", "values", "val", "wert", "messwert", "reading", "measurement", "data"})
@@ -26,7 +26,6 @@ MOST_NAMES: Final = 400
 _MOST_TEXTS: Final = 60
 """Different texts in a column that says what a value is of."""
 _DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
-_MOST_DEVICES: Final = 17
 _MOST_TRIED: Final = 9
 """Signals whose rows are looked at: a gyroscope at rest tells no devices apart, a direction of gravity does."""
 _TWICE: Final = (0.1, 0.01)
@@ -129,12 +128,14 @@ def _tells_devices(
     column: str, bodies: Sequence[Body], names: list[str], clock: TimeGuess, value: str
 ) -> bool:
     """Return whether the names come for each text of a column, at the same times or in turns."""
-    if names_devices(column):
-        several = {one for body in bodies for one in body.texts(column) if one and one != column}
-        return 2 <= len(several) <= _MOST_DEVICES
+    several = {one for body in bodies for one in body.texts(column) if one and one != column}
+    if not 2 <= len(several) <= _MOST_TEXTS or any(map(_DECIMAL.fullmatch, several)):
+        return False
+    if names_devices(column) or follow_each_other(bodies, column, several, clock.column, clock.unit):
+        return True
     for body in bodies:
         texts = body.texts(column)
-        if any(map(_DECIMAL.fullmatch, texts[:_MOST_TEXTS])) or not 2 <= len(set(texts)) <= _MOST_DEVICES:
+        if len(set(texts)) < 2:
             continue
         rows = list(zip(*(body.texts(name) for name in names), strict=True))
         if clock.column is not None:

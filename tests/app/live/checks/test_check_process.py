@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from app.errors import Unavailable
-from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, Known, check
+from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check, packed
 from estimators.calibration import RecordingCheck
 from estimators.recording import ImuChunk
 from tests.patience import PATIENCE_S
 
 NAMES = ("upper_arm_right", "forearm_right")
-NOTHING = Known.of(RecordingCheck(NAMES)).whole
+NOTHING = packed(RecordingCheck(NAMES))
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
     assert [finding.code for finding in found.findings] == ["accelerometer_unit"]
     assert found.cost_s > 0.0
     later = replace(in_g, first_tick=in_g.tick_count)
-    assert process(found.known.whole, later).findings == found.findings, "what was known is not forgotten"
+    assert process(found.known, later).findings == found.findings, "what was known is not forgotten"
     (pid,) = process.process_ids
     assert pid != os.getpid()
     assert os.getpriority(os.PRIO_PROCESS, pid) == min(19, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)

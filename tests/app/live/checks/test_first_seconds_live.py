@@ -213,28 +213,6 @@ def test_checks_of_all_sessions_together_leave_time_for_frames(monkeypatch):
     assert turns.begin()
 
 
-def test_who_waits_for_the_turn_longer_than_samples_are_held_holds_no_more_than_it_needs(
-    sound: ImuChunk, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def run() -> None:
-        turns = CheckTurns()
-        watch = FirstSeconds(ARM, sound.time_step_s, lambda *_: None, turns=turns)
-        watch.add(sound.ticks(0, 500))
-        assert watch._checking is not None
-        await watch._checking
-        known = watch._known
-        assert len(known.interrupted) < 0.7 * len(known.whole)
-        # The next one is due after twelve seconds; another session has the turn.
-        monkeypatch.setattr(turns, "begin", lambda: False)
-        held = watch.recent.ticks
-        for tick in range(500, 500 + 4 * held, 50):
-            watch.add(replace(sound.ticks(0, 50), first_tick=tick))
-            is_late = tick + 50 > 500 + held
-            assert watch._known.whole is (known.interrupted if is_late else known.whole)
-
-    asyncio.run(run())
-
-
 @pytest.mark.parametrize("fails", [False, True])
 def test_a_sensor_that_was_away_is_begun_anew_with_also_after_a_check_that_failed(
     sound: ImuChunk, fails: bool
