@@ -38,7 +38,8 @@ def gives_back(every_s: float = GIVE_BACK_EVERY_S) -> Iterator[None]:
     Parameters
     ----------
     every_s : float
-        It takes some milliseconds of a thread that does not hold the interpreter.
+        It takes milliseconds, tens on a busy machine. Its thread does not hold the interpreter; who asks for memory
+        meanwhile may wait for it.
     """
     ended = threading.Event()
 

@@ -39,7 +39,8 @@ DEVICE: Final = re.compile(
 """What a column of devices is called."""
 _DEVICE_ITSELF: Final = re.compile(r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|gerät")
 _OF_NAMES: Final = frozenset({"name", "id", "nr", "no", "number", "uuid"})
-_DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
+DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
+"""What is measured, and no name."""
 _NO_DEVICE: Final = re.compile(
     r"trial|rep(etition)?|run|set|subject|participant|session|round|block|phase|activity|label|event|seq(uence)?"
     r"|count(er)?|sync|index"
@@ -125,7 +126,7 @@ def follow_each_other(
     unit : str
     """
     words = words_of(column)
-    if time is None or any(map(_NO_DEVICE.fullmatch, words)) or any(map(_DECIMAL.fullmatch, values)):
+    if time is None or any(map(_NO_DEVICE.fullmatch, words)) or any(map(DECIMAL.fullmatch, values)):
         return False
     if not any(map(DEVICE.fullmatch, words)) and not all(placement_of(one) or side_of(one) for one in values):
         return False
@@ -182,7 +183,7 @@ def devices_of_rows(
     """
     for column in columns:
         values, words = _values(body, column), words_of(column)
-        if not 2 <= len(values) <= _MOST_DEVICES or any(map(_DECIMAL.fullmatch, values)):
+        if not 2 <= len(values) <= _MOST_DEVICES or any(map(DECIMAL.fullmatch, values)):
             continue
         texts = np.array(body.texts(column))
         is_mark = any(map(_NO_DEVICE.fullmatch, words))
@@ -272,6 +273,7 @@ def _quantity_said(value: str) -> str:
 
 
 __all__ = [
+    "DECIMAL",
     "DEVICE",
     "Turns",
     "devices_of_pieces",

@@ -1,6 +1,5 @@
 """What a table with one value a row says of its values: which column holds them, which say what they are of."""
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
@@ -12,7 +11,7 @@ from app.readers.tables.clocks.guess import TimeGuess, guess_time
 from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import named, placement_of, quantity_of, side_of, words_of
-from app.readers.tables.rows import DEVICE, devices_of_rows, follow_each_other, names_devices
+from app.readers.tables.rows import DECIMAL, DEVICE, devices_of_rows, follow_each_other, names_devices
 from app.readers.tables.units import Body
 
 _VALUE: Final = frozenset({"value", "values", "val", "wert", "messwert", "reading", "measurement", "data"})
@@ -25,7 +24,6 @@ _RISES: Final = 0.9
 MOST_NAMES: Final = 400
 _MOST_TEXTS: Final = 60
 """Different texts in a column that says what a value is of."""
-_DECIMAL: Final = re.compile(r"[+-]?\d*[.,]\d+")
 _MOST_TRIED: Final = 9
 """Signals whose rows are looked at: a gyroscope at rest tells no devices apart, a direction of gravity does."""
 _TWICE: Final = (0.1, 0.01)
@@ -129,7 +127,7 @@ def _tells_devices(
 ) -> bool:
     """Return whether the names come for each text of a column, at the same times or in turns."""
     several = {one for body in bodies for one in body.texts(column) if one and one != column}
-    if not 2 <= len(several) <= _MOST_TEXTS or any(map(_DECIMAL.fullmatch, several)):
+    if not 2 <= len(several) <= _MOST_TEXTS or any(map(DECIMAL.fullmatch, several)):
         return False
     if names_devices(column) or follow_each_other(bodies, column, several, clock.column, clock.unit):
         return True
