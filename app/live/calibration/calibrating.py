@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import math
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -30,6 +31,8 @@ logger = logging.getLogger(__name__)
 TELL_EVERY_S: Final = 0.2
 REVIEW_S: Final = 1.0
 """How often the progress of sensors in the hand is worked out anew."""
+LINK_PATIENCE_S: Final = 10.0
+"""A calibration goes on when the link was away no longer, from the moment in which it was known to be lost."""
 NOT_EVALUATED: Final = say("live.not_evaluated")
 COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
     "static_bias": PoseStep,
@@ -84,6 +87,7 @@ class CalibrationDesk:
         self._reviewing: asyncio.Task[None] | None = None
         self._last: CalibrationMessage | None = None
         self._told_s = 0.0
+        self._lost_s = math.inf
         self._hint = ""
 
     @property
@@ -149,8 +153,23 @@ class CalibrationDesk:
         self._collector, self._hint = None, ""
         return message
 
+    def link_lost(self) -> None:
+        """Wait for the link where a gap only delays the present step; collect no more where it spoils it."""
+        self._lost_s = time.monotonic()
+        if self._collector is not None and not self._collector.is_delayed_by_gaps:
+            self.end()
+
+    def link_back(self) -> bool:
+        """Go on where the link was lost; return whether a calibration runs.
+
+        After `LINK_PATIENCE_S` it is over: whoever stood still then may have taken the sensors off.
+        """
+        if time.monotonic() - self._lost_s > LINK_PATIENCE_S:
+            self.end()
+        return self.is_active
+
     def end(self) -> None:
-        """Collect no more: the link broke or the session ends."""
+        """Collect no more: the session ends, or nothing can come of it."""
         if self._collector is not None and not self._is_evaluating:
             self._publish("cancelled")
             self._collector, self._hint = None, ""

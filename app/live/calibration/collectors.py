@@ -99,6 +99,11 @@ class Collector(ABC):
         return self.step >= len(self.steps)
 
     @property
+    def is_delayed_by_gaps(self) -> bool:
+        """Whether a gap only delays the present step: what is held without one is awaited anew."""
+        return False
+
+    @property
     @abstractmethod
     def step_progress(self) -> float:
         """Of the present step, 0 to 1."""
@@ -149,6 +154,11 @@ class PoseStep(Collector):
         self._pose.begin()
         self._held: list[ImuChunk] = []
         self.hint = self._pose.hint
+
+    @property
+    def is_delayed_by_gaps(self) -> bool:
+        """Always: a pose counts by the seconds in which nothing is missing."""
+        return True
 
     @property
     def step_progress(self) -> float:
@@ -204,6 +214,11 @@ class MovementSteps(Collector):
         self._ranges: dict[str, tuple[int, int]] = {}
         self._begin_tick = 0
         self._next_tick = 0
+
+    @property
+    def is_delayed_by_gaps(self) -> bool:
+        """While the rest is awaited; a movement with a gap is lost."""
+        return self.step == 0
 
     @property
     def step_progress(self) -> float:

@@ -300,7 +300,7 @@ class LiveSession(PooledSession):
     def link_lost(self, reason: str) -> None:
         """Note that packets have stopped coming."""
         if self.machine.state in STREAMING:
-            self._calibration.end()
+            self._calibration.link_lost()
             self._change("link_lost", reason)
 
     def link_died(self, reason: str) -> None:
@@ -311,10 +311,15 @@ class LiveSession(PooledSession):
 
     def _link_back(self) -> None:
         self._is_link_dead = False
-        following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
+        is_calibrating = self._calibration.link_back()
+        following = streaming_state(
+            is_calibrated=self.is_calibrated and not is_calibrating, is_recording=self._is_recording
+        )
         known = self.pipeline.setup.calibration
         reasons: dict[SessionState, str] = {
-            "calibrating": say("live.connected_calibrate")
+            "calibrating": self._calibration.hint
+            if is_calibrating
+            else say("live.connected_calibrate")
             if known is None or not known.unknown_headings
             else say("live.connected_directions"),
             "ready": say("live.connected"),

@@ -79,12 +79,13 @@
   class Dot extends EventTarget {
     constructor(name, clockUs) {
       super();
-      Object.assign(this, { id: name, name, clockUs, isAway: false, isMeasuring: false, rateHz: 0 });
+      Object.assign(this, { id: name, name, clockUs, isAway: false, isMeasuring: false, rateHz: 0, sinceMs: 0 });
       const control = ([mask, ...rest]) => {
         if (mask === 16) this.rateHz = rest[23] + 256 * rest[24];
       };
       const measure = ([type, isOn, mode]) => {
         if (type === 1 && mode === 21) this.isMeasuring = isOn === 1 && this.rateHz === 60;
+        this.sinceMs = performance.now();
       };
       this.payload = new Characteristic({});
       const battery = new Characteristic({ read: () => new DataView(Uint8Array.of(83, 0).buffer) });
@@ -119,8 +120,9 @@
       this.payload.isNotifying = false;
       this.dispatchEvent(new Event('gattserverdisconnected'));
     }
-    tell(number, stepUs, [gx, gy, gz, ax, ay, az]) {
-      if (!this.isMeasuring) return;
+    tell(number, atMs, stepUs, [gx, gy, gz, ax, ay, az]) {
+      // A page that was held up emits late: what a sensor felt while it was away is lost all the same.
+      if (!this.isMeasuring || atMs < this.sinceMs) return;
       const view = new DataView(new ArrayBuffer(28));
       view.setUint32(0, (this.clockUs + Math.round(number * stepUs)) % 2 ** 32, true);
       [ax, ay, az, degrees(gx), degrees(gy), degrees(gz)].forEach((one, at) => view.setFloat32(4 + 4 * at, one, true));
@@ -149,7 +151,7 @@
     play(
       samples.length,
       at,
-      (number, sample) => dots.forEach((dot, sensor) => dot.tell(number, 1e6 / rateHz, samples[sample][sensor])),
+      (number, sample) => dots.forEach((dot, sensor) => dot.tell(number, at(number), 1e6 / rateHz, samples[sample][sensor])),
       rests,
     );
   };

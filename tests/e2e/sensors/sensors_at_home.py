@@ -2,6 +2,7 @@
 
 import io
 import struct
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -38,6 +39,14 @@ WAITING = """new Promise(done => {
     };
 })"""
 """How many packets are on the device."""
+
+
+def wait_until_sent(page: Page) -> None:
+    """Wait until no packet is on the device."""
+    until_s = time.monotonic() + PATIENCE_S
+    while page.evaluate(WAITING) > 0:
+        assert time.monotonic() < until_s, "packets are still on the device"
+        page.wait_for_timeout(250)
 
 
 @dataclass(frozen=True)

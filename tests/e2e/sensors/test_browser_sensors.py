@@ -164,10 +164,7 @@ def test_a_page_that_is_loaded_again_without_a_link_has_lost_nothing(
     relay.mend()
     page.goto(relay.address)
     expect(page.get_by_role("heading", level=1, name="Hello")).to_be_visible()
-    tries = 40
-    while page.evaluate(home.WAITING) > 0 and (tries := tries - 1):
-        page.wait_for_timeout(500)
-    assert page.evaluate(home.WAITING) == 0
+    home.wait_until_sent(page)
     expect(page.locator(".sensor-unsent")).to_have_count(0)
     numbers, values = home.stored_samples(therapist, session_id)
     sent = numbers - int(first)
@@ -205,4 +202,4 @@ def test_a_second_window_ends_the_session_when_the_first_has_sent_all(
     assert np.array_equal(sent, np.arange(sent[0], sent[0] + sent.size))
     assert sent[-1] >= int(emitted) - 2
     np.testing.assert_allclose(values, worn.samples[sent], atol=2e-4)
-    assert second.evaluate(home.WAITING) == 0
+    home.wait_until_sent(second)

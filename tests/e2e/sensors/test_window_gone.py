@@ -97,7 +97,7 @@ def analysed_s(therapist: httpx.Client, session_id: str, longer_than_s: float) -
 def assert_is_sent(again: Visitor) -> None:
     expect(again.page.get_by_text("has been sent to your clinic")).to_be_visible()
     expect(again.page.locator(".sensor-unsent")).to_have_count(0)
-    assert again.page.evaluate(home.WAITING) == 0
+    home.wait_until_sent(again.page)
 
 
 def assert_all_is_stored(therapist: httpx.Client, left: Left) -> None:

@@ -12,7 +12,13 @@ import pytest
 
 from app.errors import Conflict
 from app.gateway.rehearsal import Rehearsal, rehearsal_of
-from app.live.calibration.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk, redo_steps
+from app.live.calibration.calibrating import (
+    COLLECTORS,
+    LINK_PATIENCE_S,
+    NOT_EVALUATED,
+    CalibrationDesk,
+    redo_steps,
+)
 from app.live.calibration.collectors import Collector, Outcome
 from app.live.calibration.device_collectors import Compass
 from app.live.calibration.messages import CalibrationIn
@@ -294,6 +300,35 @@ def test_a_calibration_that_breaks_down_is_to_be_repeated(caplog: pytest.LogCapt
     assert phases[-1] == "redo"
     assert failed == [NOT_EVALUATED]
     assert "could not be evaluated" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("kind", "away_s", "goes_on"),
+    [("n_pose", 3.0, True), ("n_pose", LINK_PATIENCE_S + 1.0, False), ("six_position", 3.0, False)],
+)
+def test_a_lost_link_ends_only_what_a_gap_spoils(
+    monkeypatch: pytest.MonkeyPatch, kind: Any, away_s: float, goes_on: bool
+) -> None:
+    async def run() -> tuple[list[str], bool]:
+        phases: list[str] = []
+        pipeline = pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ))
+        desk = CalibrationDesk(
+            ("upper_arm_right",),
+            0.01,
+            EstimationLine(pipeline, lambda *_: None, lambda _: None),
+            tell=lambda message: phases.append(message.phase),
+            changed=lambda: None,
+            done=lambda *_: None,
+            failed=lambda _: None,
+        )
+        assert not desk.link_back()
+        desk.start(CalibrationIn(kind=kind))
+        desk.link_lost()
+        back_s = time.monotonic() + away_s
+        monkeypatch.setattr(time, "monotonic", lambda: back_s)
+        return phases, desk.link_back()
+
+    assert asyncio.run(run()) == (["collecting"] + ["cancelled"] * (not goes_on), goes_on)
 
 
 def test_a_gap_in_a_turn_leaves_the_step_open() -> None:

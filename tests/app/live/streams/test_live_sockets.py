@@ -29,6 +29,33 @@ from tests.app.live.sockets import (
 from tests.patience import PATIENCE_S
 
 
+def test_a_pose_goes_on_when_the_link_is_back_soon(
+    signed_in: SignedIn, world: Any, stream: DeviceStream
+) -> None:
+    """Nobody has to say twice that she stands still because a radio failed for a moment."""
+    before, until_ready = 40, 190
+
+    async def run() -> None:
+        async with await signed_in() as client:
+            session_id = await new_session(client, world.patient_id, stream)
+            async with gateway(client, session_id, stream) as socket:
+                await socket.send(stream.packet(0))
+                await until(socket, has_acknowledged(0))
+                await client.steer(session_id, "calibrate")
+                for number in range(1, before):
+                    await socket.send(stream.packet(number))
+                await until(socket, has_acknowledged(before - 1))
+            await client.wait_for_state(session_id, "link_lost", timeout_s=PATIENCE_S)
+            async with gateway(client, session_id, stream) as socket:
+                assert (await client.state(session_id)).state == "calibrating"
+                for number in range(before, until_ready):
+                    await socket.send(stream.packet(number))
+                    await asyncio.sleep(0.01)
+                await client.wait_for_state(session_id, "ready", timeout_s=PATIENCE_S)
+
+    asyncio.run(run())
+
+
 @pytest.mark.slow
 def test_a_dashboard_sees_layout_states_health_and_frames_until_its_right_ends(
     signed_in: SignedIn, world: Any, stream: DeviceStream, engine: Engine
