@@ -311,15 +311,14 @@ class LiveSession(PooledSession):
 
     def _link_back(self) -> None:
         self._is_link_dead = False
-        is_calibrating = self._calibration.link_back()
-        following = streaming_state(
-            is_calibrated=self.is_calibrated and not is_calibrating, is_recording=self._is_recording
-        )
+        if self._calibration.link_back():
+            # What to do now is its hint.
+            self._change("calibrating", "")
+            return
+        following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
         known = self.pipeline.setup.calibration
         reasons: dict[SessionState, str] = {
-            "calibrating": self._calibration.hint
-            if is_calibrating
-            else say("live.connected_calibrate")
+            "calibrating": say("live.connected_calibrate")
             if known is None or not known.unknown_headings
             else say("live.connected_directions"),
             "ready": say("live.connected"),

@@ -32,7 +32,7 @@ def page(chromium: Browser, relay: Relay, service: Service, gateway: None) -> It
     session_id = recording_of(service, patient_of(service))
     # Of the same driver: two drivers cannot run in one process.
     browser = chromium.browser_type.launch(executable_path=CHROMIUM, args=FLAGS)
-    opened = browser.new_page(viewport={"width": 1024, "height": 640}, reduced_motion="reduce")
+    opened = browser.new_page(viewport={"width": 1440, "height": 900}, reduced_motion="reduce")
     Visitor(opened, relay.address).sign_in(THERAPIST)
     opened.goto(f"{relay.address}/sessions/{session_id}/live")
     expect(elbow(opened)).to_contain_text(MEASURED)

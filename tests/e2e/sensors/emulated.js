@@ -151,7 +151,10 @@
     play(
       samples.length,
       at,
-      (number, sample) => dots.forEach((dot, sensor) => dot.tell(number, at(number), 1e6 / rateHz, samples[sample][sensor])),
+      (number, sample) => {
+        const stepUs = 1e6 / rateHz;
+        dots.forEach((dot, sensor) => dot.tell(number, at(number), stepUs, samples[sample][sensor]));
+      },
       rests,
     );
   };
