@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-returns bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -117,6 +117,9 @@ bench-cues: $(VENV)/installed ## 10 guided sessions with faults; prints the time
 
 bench-pages: $(VENV)/installed web/dist/index.html browser ## Script of the exercise page on a slow phone, and how soon the patient's first page can be used
 	@$(BIN)/python -m tests.benchmarks.bench_pages
+
+bench-returns: $(VENV)/installed web/dist/index.html browser ## How soon a live page is right again: restart, pause, cut; 10 s asked
+	@RETURNS=3 PAUSE_S=60 WITHIN_S=10 $(BIN)/python -m pytest -s tests/e2e/live/test_live_returns.py
 
 bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its neighbours notice
 	@$(BIN)/python -m tests.benchmarks.bench_abuse

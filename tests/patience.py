@@ -1,7 +1,7 @@
 """How long a test waits for what must come.
 
 It ends a run that hangs, and says nothing about speed: many tests share two slow cores, and how fast something comes is
-measured in `tests/benchmarks`. A time that the service promises stays in its test as it is promised.
+measured in `tests/benchmarks`.
 """
 
 PATIENCE_S = 300.0

@@ -67,6 +67,11 @@ class SessionBook(ABC):
     def _is_recording(self) -> bool:
         return self.recording_start_s is not None and self.recording_end_s is None
 
+    @property
+    def _is_counting(self) -> bool:
+        """Whether frames that come out now belong to what is recorded: a link may be lost while they are estimated."""
+        return self._is_recording and self.machine.state in {"recording", "link_lost"}
+
     def _change(self, state: SessionState, reason: str) -> None:
         changed = self.machine.to(state, reason)
         self._saver.save(partial(repository.save_state, self._engine, self.id, state, reason))

@@ -122,7 +122,7 @@ class PooledSession(CalibratedSession):
         if self.channels["frames"].listeners:
             self.channels["frames"].publish(PublishedFrames(frames, time.time()))
         if self.guidance is not None:
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=is_live)
+            self.guidance.see(frames, is_counting=self._is_counting, is_live=is_live)
         if self.actuation is not None:
             self.actuation.take(frames, self.now.clock.declaration, is_live=is_live)
 
@@ -166,7 +166,7 @@ class PooledSession(CalibratedSession):
         health, ticks = self.now.health, frames.tick_count
         if self.guidance is not None and not self.guidance.is_following:
             # It takes note of the time alone.
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=False)
+            self.guidance.see(frames, is_counting=self._is_counting, is_live=False)
         self.store_frames(frames)
         health.set_flags(frames.layout.segments, frames.segment_flags)
         health.add_whole(whole)

@@ -196,7 +196,7 @@ class LiveSession(PooledSession):
             for channel in wanted:
                 channel.publish(published)
         if self.guidance is not None:
-            self.guidance.see(frames, is_counting=self.state == "recording", is_live=arrival_s is not None)
+            self.guidance.see(frames, is_counting=self._is_counting, is_live=arrival_s is not None)
         if arrival_s is not None:
             self.now.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:

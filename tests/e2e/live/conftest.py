@@ -1,10 +1,9 @@
-"""A service behind a relay that a test may break, and sensors beside it that stream for some minutes."""
+"""For each file of tests: a service behind a relay that a test may break, and sensors that stream for some minutes."""
 
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser
@@ -15,23 +14,23 @@ from tests.e2e.sensors.broken_link import Relay, relaying
 from tests.e2e.test_live_truth import patient_of
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def relay() -> Iterator[Relay]:
     with relaying() as one:
         yield one
 
 
-@pytest.fixture
-def service(relay: Relay, tmp_path: Path) -> Iterator[Service]:
-    with serving(tmp_path, base_url=relay.address) as one:
+@pytest.fixture(scope="module")
+def service(relay: Relay, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with serving(tmp_path_factory.mktemp("live"), base_url=relay.address) as one:
         relay.serve(one.address)
         yield one
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def gateway(service: Service) -> Iterator[None]:
     """Sensors that stream for some minutes, and not through the relay: they stand beside the service."""
-    words = ["-m", "app.cli", "simulate", "--movement", "drinking", "--repetitions", "90"]
+    words = ["-m", "app.cli", "simulate", "--movement", "drinking", "--repetitions", "120"]
     process = subprocess.Popen(
         [sys.executable, *words, "--server", service.address, "--patient", patient_of(service)],
         cwd=ROOT,

@@ -20,7 +20,7 @@ TRIES_S = 20.0
 MOMENT = re.compile(r"lost since (\d\d:\d\d:\d\d)")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def session_id(service: Service, gateway: None) -> str:
     return recording_of(service, patient_of(service))
 
@@ -41,6 +41,15 @@ def moments_of(page: Page) -> set[str]:
     return found
 
 
+def test_a_patient_reads_whom_to_ask(chromium: Browser, refusing: Relay, session_id: str) -> None:
+    visitor = opened(chromium, refusing.address, PATIENTS[0].email, f"/my/sessions/{session_id}/live", 390)
+    page = visitor.page
+    expect(page.get_by_role("heading", name="No live picture here")).to_be_visible()
+    expect(page.get_by_text("Your clinic says: Recording.")).to_be_visible()
+    visitor.picture("mine-sockets-refused-390")
+    page.context.close()
+
+
 def test_a_therapist_reads_the_cause_and_what_is_known(
     chromium: Browser, refusing: Relay, service: Service, session_id: str
 ) -> None:
@@ -53,7 +62,8 @@ def test_a_therapist_reads_the_cause_and_what_is_known(
     assert len(moments_of(page)) == 1
     visitor.picture("live-sockets-refused-1440")
 
-    # What goes on meanwhile is told over HTTP; nothing on the page stands for a value of now.
+    # This test is the last one, for it ends the recording. What goes on meanwhile is told over HTTP;
+    # nothing on the page stands for a value of now.
     with therapist_at(service.address) as client:
         client.post(f"/api/sessions/{session_id}/stop").raise_for_status()
     expect(banner).to_contain_text("It says: Ready")
@@ -62,13 +72,4 @@ def test_a_therapist_reads_the_cause_and_what_is_known(
     refusing.mend()
     expect(banner).to_have_count(0)
     expect(elbow(page)).to_contain_text(re.compile(r"[0-9]°"))
-    page.context.close()
-
-
-def test_a_patient_reads_whom_to_ask(chromium: Browser, refusing: Relay, session_id: str) -> None:
-    visitor = opened(chromium, refusing.address, PATIENTS[0].email, f"/my/sessions/{session_id}/live", 390)
-    page = visitor.page
-    expect(page.get_by_role("heading", name="No live picture here")).to_be_visible()
-    expect(page.get_by_text("Your clinic says: Recording.")).to_be_visible()
-    visitor.picture("mine-sockets-refused-390")
     page.context.close()

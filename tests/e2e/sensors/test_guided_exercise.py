@@ -56,9 +56,16 @@ class Body:
 
     def __init__(self, address: str, session_id: str, done: Performed) -> None:
         self.is_at_rest, self.may_move = threading.Event(), threading.Event()
+        self.error: Exception | None = None
         self._address, self._session_id, self._done = address, session_id, done
-        self.thread = threading.Thread(target=lambda: asyncio.run(self._stream()), name="gateway")
+        self.thread = threading.Thread(target=self._run, name="gateway")
         self.thread.start()
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._stream())
+        except Exception as error:
+            self.error = error
 
     async def _stream(self) -> None:
         stream = self._done.stream
@@ -172,6 +179,8 @@ def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: 
         patient.picture(f"guided-doing-{width}")
     page.set_viewport_size({"width": 390, "height": 844})
     expect(count).to_contain_text("1 not quite far enough")
+    body.thread.join()
+    assert body.error is None, "the sensors were cut off"
     expect(count).to_contain_text("3of 10")
     patient.picture("guided-counted-390")
 

@@ -54,10 +54,15 @@ class Room:
     def desk(self) -> GuidanceDesk:
         return self.manager.guidance(self.live.id)
 
+    @property
+    def sent_s(self) -> float:
+        """The session time of the next packet."""
+        return self._next * self.done.stream.packet_s
+
     async def until(self, time_s: float) -> None:
         """Send what comes before a session time."""
         stream = self.done.stream
-        while self._next < stream.packet_count and self._next * stream.packet_s < time_s:
+        while self._next < stream.packet_count and self.sent_s < time_s:
             packet = decode_packet(stream.packet(self._next))
             self.live.receive(packet, time.monotonic(), time.time_ns())
             self._next += 1
@@ -199,6 +204,29 @@ def test_three_good_ones_and_a_short_one(enter: Enter, engine: Engine, world: An
     told = next(one for one in room.messages if one.cue_number == 1)
     # It goes out with the packet that holds its tick.
     assert told.time_s - cue.time_s <= room.done.stream.packet_s + 1e-6
+
+
+def test_a_link_that_is_lost_within_a_repetition_takes_it_from_nobody(
+    enter: Enter, engine: Engine, world: Any
+) -> None:
+    async def loses_the_link(room: Room) -> None:
+        await room.to_the_start()
+        start_s, end_s = room.done.repetitions_s[1]
+        await room.until(0.5 * (start_s + end_s))
+        # What was measured before the loss is still to be estimated when the loss is noticed, as on a busy machine.
+        may_go_on = threading.Event()
+        room.live.line.call(lambda: bool(may_go_on.wait(PATIENCE_S)))
+        measured = asyncio.ensure_future(room.until(end_s - 0.3))
+        # The line wakes nobody: it has nothing but the packets themselves.
+        while room.sent_s < end_s - 0.3:  # noqa: ASYNC110
+            await asyncio.sleep(0)
+        room.live.link_lost("nothing came for two seconds")
+        may_go_on.set()
+        await measured
+        await room.to_the_end()
+
+    room = enter((SOUND, SOUND), loses_the_link, prescribe(engine, world))
+    assert room.desk.message.counts.model_dump() == {"valid": 2, "partial": 0, "wrong": 0}
 
 
 def test_the_example_goes_with_the_patient_and_waits(enter: Enter, engine: Engine, world: Any) -> None:

@@ -1,0 +1,16 @@
+"""Experiments with cameras, magnetic sources and relative poses: nothing is grossly wrong with one seed."""
+
+import pytest
+
+import validation
+from tests.validation import one_seed
+
+NAMES = [name for name in one_seed.SIMULATED if name.startswith(("optical", "magnetic", "relative"))]
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_is_grossly_wrong(name):
+    result, amiss = one_seed.run(name)
+    assert not amiss, validation.to_table([result])
