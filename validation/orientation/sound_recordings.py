@@ -36,6 +36,8 @@ _SOURCE_MOVES: Final = ("flexion", "hip", "random", "rotation", "shoulder")
 """Of those beside a source: without the walks, in which each step is like the last as no person's is."""
 _SCALES: Final = (0.5, 1.0, 3.0)
 """Good, usual and cheap devices, relative to the usual one."""
+_SOUND_IRON: Final = 1.0 / 3.0
+"""Of the field: so much iron may sit on a device of which nobody need be told."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,8 @@ class SoundRecording:
     moves : str
         Of `MOVES`.
     is_field_clean : bool
-        No iron but what sits on the device.
+        No iron but what sits on the device, of less than a third of the field: more of it is a magnetometer that nobody
+        calibrated, and to say so is right.
     """
 
     chunk: ImuChunk
@@ -155,6 +158,8 @@ def _by_hand(
         (errors.magnetometer, rotation.rotate(back, around)[_OVER - 1 :: _OVER]),
     ):
         bias = triad.bias_over(time_s[_OVER - 1 :: _OVER], generator)
+        if triad is errors.magnetometer:
+            is_clean &= float(np.linalg.norm(bias.mean(axis=0))) < _SOUND_IRON * float(np.linalg.norm(field))
         readings.append(triad.apply(true, bias, generator)[None])
     quality = np.zeros((1, len(readings[0][0])), np.uint8)
     gyroscope, accelerometer, magnetometer = readings

@@ -88,7 +88,13 @@ def guess_of_head(
         no_device = {*signals_of, time.column, kinds.column if kinds else None}
         others = [column for column in head.columns if column not in no_device]
         mine = [one.of_rows(triples[0].rows) for one in bodies]
-        if turns := devices_of_pieces(mine, others, time.column, time.unit, triples[0].columns):
+        of_first = [one for one in triples if (one.device, one.rows) == (triples[0].device, triples[0].rows)]
+        measured = tuple(c for one in of_first if one.quantity != "magnetometer" for c in one.columns)
+        is_told_apart = len({one.device for one in triples}) > 1
+        turns = devices_of_pieces(mine, others, time.column, time.unit, measured, is_told_apart=is_told_apart)
+        if turns and turns.is_one:
+            notes.append(say("guess.one_device", column=turns.column, values=list(turns.values)))
+        elif turns:
             triples = of_devices(triples, turns)
             notes.append(say("guess.devices", column=turns.column, values=list(turns.values)))
             time = guess_time(head, body.of_rows(triples[0].rows), signals_of, rate_hz)

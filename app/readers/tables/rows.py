@@ -33,6 +33,8 @@ _FEWEST_SWITCHES: Final = 0.1
 _OVERLAP: Final = 0.5
 """Of the time of a device: while it was on, others were, too."""
 _JUMP: Final = 3.0
+_MOST_BENT: Final = 0.05
+"""Of the changes of a text, that look like a jump of one device by chance."""
 DEVICE: Final = re.compile(
     r"device(name)?|sensor|imu|node|mac|addr(ess)?|serial|unit|gerät|placement|position|location|limb|segment|side"
 )
@@ -60,11 +62,14 @@ class Turns:
         As they are written, in the order of the table.
     quantities : dict of str to str
         Of a column of kinds: which quantity the rows of a value hold.
+    is_one : bool
+        They are names of one device after the other and not of several: its rows belong together.
     """
 
     column: str
     values: tuple[str, ...]
     quantities: dict[str, str]
+    is_one: bool = False
 
 
 def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
@@ -84,7 +89,13 @@ def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
 
 
 def devices_of_pieces(
-    bodies: Sequence[Body], columns: list[str], time: str | None, unit: str, signals: tuple[str, ...]
+    bodies: Sequence[Body],
+    columns: list[str],
+    time: str | None,
+    unit: str,
+    signals: tuple[str, ...],
+    *,
+    is_told_apart: bool = False,
 ) -> Turns | None:
     """Return the column by which rows of several devices differ in any of some pieces of a table; None for none.
 
@@ -92,21 +103,66 @@ def devices_of_pieces(
     ----------
     bodies : sequence of Body
         A device may be switched on later: its rows are in some of them.
-    columns, time, unit, signals
+    columns, time, unit
         See `devices_of_rows`.
+    signals : tuple of str
+        Of one sensor, three of each quantity.
+    is_told_apart : bool
+        Columns of their own tell the sensors apart already: devices that were never on at once are none besides.
+
+    Returns
+    -------
+    Turns or None
+        Of a column of devices by which one sensor is only named anew, `is_one`.
     """
-    found = [devices_of_rows(body, columns, time, unit, signals) for body in bodies]
+    found = [devices_of_rows(body, columns, time, unit, signals[:3]) for body in bodies]
     if turns := max((one for one in found if one is not None), key=lambda one: len(one.values), default=None):
         return replace(turns, values=_often(bodies, turns.column) or turns.values)
     for column in columns:
         values = _often(bodies, column)
-        # Devices that are named, and were never on at once, are not one; numbers may be marks.
-        are_apart = names_devices(column) and not any(map(is_number, values))
-        if 2 <= len(values) <= _MOST_DEVICES and (
-            are_apart or follow_each_other(bodies, column, values, time, unit)
-        ):
+        if not 2 <= len(values) <= _MOST_DEVICES:
+            continue
+        if follow_each_other(bodies, column, values, time, unit):
             return Turns(column, values, {})
+        # Devices that are named, and were never on at once, are not one; numbers may be marks.
+        if names_devices(column) and not any(map(is_number, values)):
+            is_one = is_told_apart or _goes_on(bodies, column, values, time, unit, signals)
+            return Turns(column, values, {}, is_one)
     return None
+
+
+def _goes_on(
+    bodies: Sequence[Body],
+    column: str,
+    values: Collection[str],
+    time: str | None,
+    unit: str,
+    signals: tuple[str, ...],
+) -> bool:
+    """Return whether time and signals go on over each change of a text: then it says something of one device.
+
+    No person changes a sensor for another between two samples, and none lies as the other did.
+    """
+    changes = bent = 0
+    for body in bodies:
+        texts, measured = np.array(body.texts(column), dtype=str), body.numbers(*signals)
+        at = np.arange(texts.size, dtype=np.float64) if time is None else body.times(time, unit)
+        rows = np.isfinite(at) & np.isfinite(measured).all(axis=1) & np.isin(texts, list(values))
+        at, texts, measured = at[rows], texts[rows], measured[rows]
+        if texts.size < 2 * _FEWEST_ROWS:
+            continue
+        steps = np.diff(measured, axis=0)
+        seams = np.flatnonzero(texts[2:-1] != texts[1:-2])
+        if (np.abs(np.diff(at)[1:-1][seams]) > _EVEN[1] * usual_interval(at)).any():
+            return False
+        # By how much each step differs from those around it, as a share of what is exceeded by one in a hundred.
+        bends = (
+            np.abs(steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])).reshape(len(steps) - 2, -1, 3).sum(axis=2)
+        )
+        usual = np.percentile(np.delete(bends, seams, axis=0), 99.0, axis=0)
+        bent += int((bends[seams] > usual).any(axis=1).sum())
+        changes += seams.size
+    return changes > 0 and bent <= _MOST_BENT * changes
 
 
 def follow_each_other(

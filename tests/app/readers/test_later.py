@@ -137,7 +137,8 @@ def test_a_false_reading_in_a_piece_does_not_change_the_unit_of_all(tmp_path):
 
 
 def test_devices_that_were_never_on_at_once_are_not_taken_for_one(tmp_path):
-    path = written(tmp_path, [*rows_of("one", 0, 3000), *rows_of("second", 3000, 6000)])
+    # Whoever changes one for the other takes longer than from one sample to the next.
+    path = written(tmp_path, [*rows_of("one", 0, 3000), *rows_of("second", 3000, 6000, later_s=2.0)])
     with pytest.raises(RecordingFormatError) as refused:
         read(path)
     assert refused.value.message.code == "table.clocks_apart"

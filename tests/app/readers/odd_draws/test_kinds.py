@@ -236,6 +236,38 @@ def test_phases_of_a_recording_are_no_devices(tmp_path):
         assert "guess.devices" not in said
 
 
+@pytest.mark.parametrize("words", [("init", "on"), ("A1", "A2"), ("idle", "measuring", "idle")])
+def test_a_column_of_devices_that_only_changes_its_word_is_one(tmp_path, words):
+    rows = [
+        [s, words[k * len(words) // len(ROWS)], *r] for k, (s, r) in enumerate(zip(STAMPS, ROWS, strict=True))
+    ]
+    found, said = read(tmp_path, HEAD, rows)
+    (signals,) = found.sensors.values()
+    is_as_measured(signals, GYROSCOPE)
+    assert "guess.one_device" in said
+
+
+def test_a_device_that_lies_as_another_did_not_is_another(tmp_path):
+    half = len(ROWS) // 2
+    turned = [[row[k] for k in (1, 2, 0, 4, 5, 3)] for row in ROWS[half:]]
+    rows = [[s, "a", *r] for s, r in zip(STAMPS, ROWS[:half], strict=False)]
+    rows += [[s, "b", *r] for s, r in zip(STAMPS[half:], turned, strict=True)]
+    path = tmp_path / "table.csv"
+    path.write_text(text([HEAD], rows))
+    guess = readers.preview_text(path.name, path.read_bytes()[: readers.HEAD_BYTES], None, None).guess
+    assert "guess.devices" in codes(guess.notes)
+
+
+def test_a_recorder_that_changes_its_name_is_no_sensor_beside_limbs(tmp_path):
+    limbs = [f"{limb}_{name}" for limb in ("upper_arm_right", "forearm_right") for name in NINE[:6]]
+    names = ["A1" if k < len(ROWS) // 2 else "A2" for k in range(len(ROWS))]
+    rows = [[s, n, *r, *o] for s, n, r, o in zip(STAMPS, names, ROWS, ROWS[::-1], strict=True)]
+    found, said = read(tmp_path, ",".join(["time", "device", *limbs]), rows)
+    assert set(found.sensors) == {"upper_arm_right", "forearm_right"}
+    is_as_measured(found.sensors["forearm_right"], GYROSCOPE[::-1])
+    assert "guess.one_device" in said
+
+
 def test_a_clock_of_few_steps_that_was_set_back_does_not_run_over():
     stamps = np.concatenate([np.arange(0.0, 50_000.0, 10_000.0), np.arange(0.0, 90_000.0, 10_000.0)])
     np.testing.assert_array_equal(gone_on(stamps), stamps)
