@@ -96,8 +96,8 @@ decided = status=0; $(BIN)/python -m pytest $(1) || status=$$?; [ $$status = 0 ]
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
-	@$(call decided,-m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15)
-	@$(call decided,-m e2e $(TWO_AT_ONCE))
+	@$(call decided,--ignore=tests/e2e $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15)
+	@$(call decided,tests/e2e $(TWO_AT_ONCE) --durations=15)
 
 # Apart from `make test`: following every branch makes the tests take three quarters longer.
 coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
