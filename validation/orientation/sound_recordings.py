@@ -37,7 +37,7 @@ _SOURCE_MOVES: Final = ("flexion", "hip", "random", "rotation", "shoulder")
 _SCALES: Final = (0.5, 1.0, 3.0)
 """Good, usual and cheap devices, relative to the usual one."""
 _SOUND_IRON: Final = 1.0 / 3.0
-"""Of the field: so much iron may sit on a device of which nobody need be told."""
+"""Of the field: so much iron may sit on a device that is sound."""
 
 
 @dataclass(frozen=True)
