@@ -59,7 +59,8 @@ describe('DeviceClock', () => {
       const deviceUs = 777_000 + (trueMs - 5000) * 1000 * (1 + ppm * 1e-6);
       const isRepeated = random() < 0.03;
       const arrivalMs = Math.ceil(trueMs / intervalMs) * intervalMs + 2 + random() + (isRepeated ? intervalMs : 0);
-      const placedMs = clock.place(deviceUs, arrivalMs);
+      clock.learn(deviceUs, arrivalMs);
+      const placedMs = clock.place(deviceUs);
       if (n > 60 * 15) found.push(placedMs - trueMs);
     }
     return found;
@@ -73,6 +74,31 @@ describe('DeviceClock', () => {
       const apart = first.map((one, n) => Math.abs(one - (second[n] ?? 0))).sort((a, b) => a - b);
       expect(apart[Math.floor(0.95 * apart.length)]).toBeLessThan(4.6);
     }
+  });
+
+  it('is not led astray by a page that stands still for seconds', () => {
+    const clock = new DeviceClock();
+    const found: number[] = [];
+    for (let n = 0; n < 60 * 40; n += 1) {
+      const trueMs = (n * 1000) / 60;
+      // What came meanwhile is all handed over when the page goes on.
+      const heardMs = trueMs + 3 > 15_000 && trueMs + 3 < 22_000 ? 22_000 : trueMs + 3;
+      clock.learn(trueMs * 1000, heardMs);
+      found.push(clock.place(trueMs * 1000) - trueMs);
+    }
+    expect(Math.max(...found)).toBeLessThan(4);
+  });
+
+  it('leaves soon what slow first messages made it believe', () => {
+    const clock = new DeviceClock();
+    const found: number[] = [];
+    for (let n = 0; n < 60 * 20; n += 1) {
+      const trueMs = (n * 1000) / 60;
+      clock.learn(trueMs * 1000, trueMs + 3 + (n < 60 ? 400 : 0));
+      found.push(clock.place(trueMs * 1000) - trueMs);
+    }
+    expect(found[60 * 6]).toBeLessThan(9);
+    expect(found.every((one, at) => at === 0 || one - (found[at - 1] ?? 0) > -1000 / 60)).toBe(true);
   });
 
   it('never lets time step back', () => {

@@ -4,10 +4,13 @@ const BLOCK_US = 3e6;
 const BLOCKS = 10;
 /** No quartz of a sensor is worse. */
 const MOST_SKEW = 1e-4;
-/** A better estimate is taken up slowly, so that time never jumps. */
+/** A better estimate is taken up slowly, so that time never jumps: so much a message. */
 const SLEW_MS = 0.1;
-/** The first messages may all have been slow. */
-const FIRST_SLEW_MS = 2;
+/** One that is far off is left sooner: two sensors would be apart meanwhile. */
+const FAR_MS = 5;
+const FAR_SLEW_MS = 2;
+/** A block whose quickest message was slower by more than this tells nothing: the page stood still. */
+const STALLED_MS = 15;
 
 interface Block {
   startUs: number;
@@ -30,14 +33,14 @@ export class Unwrapped {
 
 /**
  * Maps a sensor's microseconds to the page's milliseconds: in each of ten blocks of three seconds the message that was
- * quickest, and a line through these.
+ * quickest, and a line through these. It learns from each message before it places any of the same moment.
  */
 export class DeviceClock {
   readonly #blocks: Block[] = [];
   #offsetMs = Number.NaN;
 
-  /** The page's time at which this was measured. */
-  place(deviceUs: number, arrivalMs: number): number {
+  /** Learn from a message when it arrives. */
+  learn(deviceUs: number, arrivalMs: number): void {
     const delayMs = arrivalMs - deviceUs / 1000;
     const block = this.#blocks.at(-1);
     if (!block || deviceUs - block.startUs > BLOCK_US) {
@@ -47,16 +50,21 @@ export class DeviceClock {
       block.deviceUs = deviceUs;
       block.leastMs = delayMs;
     }
+  }
+
+  /** The page's time at which this was measured; of rising times. */
+  place(deviceUs: number): number {
     const wantedMs = this.#line(deviceUs);
     if (Number.isNaN(this.#offsetMs)) this.#offsetMs = wantedMs;
-    const most = this.#blocks.length < 2 ? FIRST_SLEW_MS : SLEW_MS;
-    this.#offsetMs += Math.max(-most, Math.min(most, wantedMs - this.#offsetMs));
+    const leftMs = wantedMs - this.#offsetMs;
+    const most = Math.abs(leftMs) > FAR_MS ? FAR_SLEW_MS : SLEW_MS;
+    this.#offsetMs += Math.max(-most, Math.min(most, leftMs));
     return deviceUs / 1000 + this.#offsetMs;
   }
 
   #line(deviceUs: number): number {
-    const blocks = this.#blocks;
-    const lowest = Math.min(...blocks.map((one) => one.leastMs));
+    const lowest = Math.min(...this.#blocks.map((one) => one.leastMs));
+    const blocks = this.#blocks.filter((one) => one.leastMs < lowest + STALLED_MS);
     // A line wants some length; before, the quickest message of all counts.
     if (blocks.length < 4) return lowest;
     const meanUs = blocks.reduce((sum, one) => sum + one.deviceUs, 0) / blocks.length;

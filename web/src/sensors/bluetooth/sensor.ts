@@ -1,4 +1,5 @@
 // One sensor on the body: connected, measuring, and connected again by itself when it was lost.
+import type { Sample } from '../gateway/grid';
 import { type OnSample, SensorFault, type FaultCode } from '../source';
 import type { MeasuringSensor, Reading, SensorAdapter } from './adapter';
 import { DeviceClock } from './clock';
@@ -22,6 +23,8 @@ const LONGEST_WAIT_MS = 5000;
 /** A sensor that is connected and says nothing is lost, too. */
 const SILENT_MS = 3000;
 const BATTERY_MS = 60_000;
+/** So long the first samples wait: the first messages may all have been slow, and their times would be late. */
+const LEARNING_MS = 1000;
 
 /** Why this browser has no Bluetooth for pages; null where it has. */
 export function bluetoothFault(): SensorFault | null {
@@ -67,6 +70,8 @@ export class WornSensor {
   #retry: ReturnType<typeof setTimeout> | undefined;
   #watch: ReturnType<typeof setInterval> | undefined;
   #batteryMs = -Infinity;
+  #firstMs = Number.NaN;
+  #waiting: { deviceUs: number; sample: Sample }[] = [];
 
   constructor(options: WornSensorOptions) {
     this.#options = options;
@@ -98,6 +103,8 @@ export class WornSensor {
     const { device, adapter } = this.#options;
     if (!device.gatt) throw new SensorFault('failed');
     const clock = new DeviceClock();
+    this.#firstMs = Number.NaN;
+    this.#waiting = [];
     try {
       const server = await device.gatt.connect();
       this.#measuring = await adapter.start(server, (reading) => this.#take(reading, clock));
@@ -118,7 +125,16 @@ export class WornSensor {
   #take({ deviceUs, sample }: Reading, clock: DeviceClock): void {
     const nowMs = performance.now();
     this.#lastMs = nowMs;
-    this.#options.onSample(deviceUs === null ? nowMs : clock.place(deviceUs, nowMs), sample);
+    if (deviceUs === null) {
+      this.#options.onSample(nowMs, sample);
+      return;
+    }
+    clock.learn(deviceUs, nowMs);
+    this.#waiting.push({ deviceUs, sample });
+    if (Number.isNaN(this.#firstMs)) this.#firstMs = nowMs;
+    if (nowMs - this.#firstMs < LEARNING_MS) return;
+    for (const one of this.#waiting) this.#options.onSample(clock.place(one.deviceUs), one.sample);
+    this.#waiting = [];
   }
 
   readonly #gone = () => {
