@@ -6,6 +6,7 @@ are set to. A name is followed to what it was given in its function, else in its
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ FIELDS |= {"instruction", "summary", "calibration_hint"}
 Found = tuple[int, str]
 
 
+@cache
 def bases_of_classes() -> dict[str, set[str]]:
     """Bases by class, of the whole tree."""
     found: dict[str, set[str]] = {}
@@ -45,8 +47,14 @@ def descendants(of: set[str]) -> set[str]:
     return found
 
 
-ERRORS = descendants({"TelemotionError", "EstimationError"})
-SPOKEN = descendants({"Spoken"}) | {"SessionEvent", "add_event"}
+@cache
+def errors() -> set[str]:
+    return descendants({"TelemotionError", "EstimationError"})
+
+
+@cache
+def spoken() -> set[str]:
+    return descendants({"Spoken"}) | {"SessionEvent", "add_event"}
 
 
 def is_plain(node: ast.expr | None, given: dict[str, list[ast.expr]]) -> bool:
@@ -88,11 +96,11 @@ def told(node: ast.AST) -> Iterator[ast.expr]:
     """Yield the words that a node tells somebody."""
     if isinstance(node, ast.Call):
         name = ast.unparse(node.func).rpartition(".")[2]
-        if name in ERRORS:
+        if name in errors():
             yield from [*node.args[:1], *(k.value for k in node.keywords if k.arg == "message")]
         elif name in LAST and len(node.args) > LAST[name]:
             yield node.args[LAST[name]]
-        elif name in SPOKEN:
+        elif name in spoken():
             yield from (k.value for k in node.keywords if k.arg in FIELDS)
     elif isinstance(node, ast.Assign):
         names = {target.attr for target in node.targets if isinstance(target, ast.Attribute)}
@@ -116,17 +124,19 @@ def plain_words(source: str) -> list[Found]:
     return sorted(found.values())
 
 
-FOUND = {
-    str(path.relative_to(ROOT)): found
-    for path in sorted((ROOT / "app").rglob("*.py"))
-    if (found := plain_words(path.read_text()))
-}
+@cache
+def found_in_app() -> dict[str, list[Found]]:
+    return {
+        str(path.relative_to(ROOT)): found
+        for path in sorted((ROOT / "app").rglob("*.py"))
+        if (found := plain_words(path.read_text()))
+    }
 
 
 def test_nobody_is_told_anything_in_plain_words():
     wrong = [
         f"{path}:{line} {words}"
-        for path, found in FOUND.items()
+        for path, found in found_in_app().items()
         for line, words in found
         if not path.startswith(tuple(EXEMPT))
     ]
@@ -135,7 +145,7 @@ def test_nobody_is_told_anything_in_plain_words():
 
 @pytest.mark.parametrize("room", EXEMPT)
 def test_no_room_is_exempt_for_nothing(room):
-    assert any(path.startswith(room) for path in FOUND)
+    assert any(path.startswith(room) for path in found_in_app())
 
 
 @pytest.mark.parametrize(
