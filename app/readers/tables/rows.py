@@ -291,7 +291,11 @@ def _take_turns(parts: list[Float], *, is_named: bool) -> bool:
     usually = [usual_interval(np.maximum.accumulate(one)) for one in parts]
     # Blocks one below the other begin again: in order of their time, and without what all of them miss.
     steps = np.diff(np.sort(at))
-    mean = float(steps[steps < 2.0 * max(usually)].mean())
+    near = steps[steps < 2.0 * max(usually)]
+    if not near.size:
+        # Every row has the same time.
+        return False
+    mean = float(near.mean())
     is_slower = False
     for place, one in enumerate(parts):
         steps = np.diff(one)
