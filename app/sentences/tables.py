@@ -71,8 +71,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "table.joined": "The quantities of {where:place} have times of their own; they are joined by time.",
     "table.clocks_apart": "The clocks of {where:and} have no time in common: two of them were never on at once. Upload"
     " each sensor by itself, or choose one clock for all.",
-    "guess.one_device": "The column {column} changes ({values:and}) while the samples go on: its rows are taken for one"
-    " recording of the same sensors.",
+    "guess.one_device": "The column {column} changes ({values:and}), and no two of these were on at once: all rows are"
+    " taken for one recording of the same sensors.",
     "guess.devices": "The rows are of several devices, one for each {column}: {values:and}.",
     "guess.tall": "Each row holds one value, of what {columns:and} says: the values of a sample are put side by side.",
     "guess.tall_unsorted": "Each row holds one value, and the beginning of the table holds {values:and} only; a sensor"

@@ -216,7 +216,7 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " Zeilen mit {rate_hz:hz}. Die Spalte wurde genommen.",
     "guess.rows_counted": "Keine Spalte ist eine Zeit: Die Zeilen folgen einander, so die Annahme, mit"
     " {rate_hz:hz}. Fehlende Zeilen fielen nicht auf.",
-    "guess.one_device": "Die Spalte {column} wechselt ({values:and}), während die Messwerte weitergehen: ihre Zeilen"
+    "guess.one_device": "Die Spalte {column} wechselt ({values:and}), und keine zwei davon liefen zugleich: alle Zeilen"
     " gelten als eine Aufnahme derselben Sensoren.",
     "guess.devices": "Die Zeilen sind von mehreren Geräten, unterschieden durch {column}: {values:and}.",
     "guess.tall": "Jede Zeile hat einen Wert; wovon, sagt {columns:and}. Die Werte einer Messung werden nebeneinander"

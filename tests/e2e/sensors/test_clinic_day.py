@@ -186,14 +186,19 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
 
 
 def watch_lines(page: Page) -> None:
-    """Note every cue that is shown."""
+    """Note every cue that is shown, once within its 4 s: a page without a link may hide it for a moment."""
     page.evaluate(
         """() => {
             window.lines = [];
-            let before = '';
+            let before = '', last = '', since = -Infinity;
             setInterval(() => {
                 const now = document.querySelector('.doing-cue')?.textContent ?? '';
-                if (now && now !== before) window.lines.push(now);
+                const isAgain = now === last && performance.now() - since < 4000;
+                if (now && now !== before && !isAgain) {
+                    window.lines.push(now);
+                    last = now;
+                    since = performance.now();
+                }
                 before = now;
             }, 50);
         }"""
@@ -223,11 +228,9 @@ def check_truth(client: httpx.Client, done: Done, kinds: list[str], cues: dict[i
         if cue["text"] != "Well done.":
             said.setdefault(number, []).append(cue["text"])
     assert said == cues
-    # A page that heard nothing for a moment shows the same cue once more when it goes on.
-    shown = [text for text in done.cues if text != "Well done."]
-    wanted = [text for each in cues.values() for text in each]
-    assert set(shown) == set(wanted)
-    assert len(shown) >= len(wanted)
+    assert [text for text in done.cues if text != "Well done."] == [
+        text for each in cues.values() for text in each
+    ]
     compared = comparison_of(client, done.session_id)
     assert [one["repetition"]["counted"] for one in compared["repetitions"]] == kinds
     for one, bounds in zip(compared["repetitions"], truth, strict=True):
