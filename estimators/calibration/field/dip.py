@@ -19,7 +19,12 @@ _LEAST_TURNED: Final = 0.03
 _LEAST_WINDOWS: Final = 3
 _MOST_WINDOWS: Final = 100
 """With so many it is known; a session goes on for hours."""
-_AGREE: Final = 0.8
+_MOST: Final = 0.8
+_SURE: Final = 2.0
+"""The field must point up or down by so many times the distance of most windows from the middle one.
+
+These are 2.6 standard deviations of a window. Windows beside one iron err together: a mean of many is no surer.
+"""
 _IRON_PRICE: Final = 0.02
 """Of a window: what is known of iron where nothing turned, over what a window tells that turned about all axes."""
 
@@ -76,19 +81,33 @@ class Dip:
 
         Notes
         -----
-        Said only when the sensor turned about every axis, and most windows agree on up or down.
+        Said only when the sensor turned about every axis, and not when `is_bent`.
         """
+        sines = self._sines()
+        return float("nan") if sines is None or _differ(sines) else float(np.median(sines))
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether movement finds the field here steep and there flat: iron in the room, which may turn it over."""
+        sines = self._sines()
+        return sines is not None and _differ(sines)
+
+    def _sines(self) -> Float | None:
+        """Return the sine of each window, less the iron on the sensor; None while that is not known."""
         if len(self._windows) < _LEAST_WINDOWS:
-            return float("nan")
+            return None
         if np.linalg.eigvalsh(self._normal)[0] < _LEAST_TURNED * len(self._windows):
-            return float("nan")
+            return None
         iron = np.linalg.solve(self._normal, self._right)
         middle, turned, up = (self._windows[:, rows].astype(np.float64) for rows in (slice(0, 3), 3, 4))
         field = turned - middle @ iron
-        sines = -(up * field).sum(axis=1) / (np.linalg.norm(up, axis=1) * np.linalg.norm(field, axis=1))
-        found = float(np.median(sines))
-        agree = float(np.mean(np.sign(sines) == np.sign(found)))
-        return found if agree >= _AGREE else float("nan")
+        lengths = np.linalg.norm(up, axis=1) * np.linalg.norm(field, axis=1)
+        return np.asarray(-(up * field).sum(axis=1) / lengths)
+
+
+def _differ(sines: Float) -> bool:
+    found = np.median(sines)
+    return bool(abs(found) <= _SURE * np.quantile(np.abs(sines - found), _MOST))
 
 
 __all__ = ["Dip"]

@@ -304,6 +304,8 @@ class Verdict:
     def _sign(self, hemisphere: Hemisphere) -> None:
         if any(f.code.endswith("_axes") or f.code == "gyroscope_unit" for f in self.found):
             return
+        if self.readings.dip.is_bent:
+            return
         down, severity = self.readings.dip.sine(), "refuse"
         if math.isnan(down) and (product := self.readings.still_product) is not None:
             # At rest nothing separates the field of the room from that of iron on the sensor.
