@@ -73,7 +73,9 @@ def what_it_is(start: bytes, ending: str = "") -> Sentence | None:
         kind = "video"
     else:
         kind = next((kind for mark, kind in _MARKS if start.startswith(mark)), None) or _of_text(start)
-    kind = kind or _ENDINGS.get(ending)
+    if kind in (None, "json", "xml"):
+        # A maker's ending says more: a recording of x-IMU3 begins with a line of JSON.
+        kind = _ENDINGS.get(ending, kind)
     return None if kind is None else say("file.foreign", kind=kind)
 
 

@@ -21,6 +21,7 @@ from app import readers
 from app.errors import ImplausibleReadings, InvalidInput, RecordingFormatError
 from app.network.packet_log import log_entry, log_head, packet_message, write_log
 from app.readers import accepting, packets_of
+from app.readers.foreign import what_it_is
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.units import check_accelerometer
 from estimators.recording import Recording, SensorSignals
@@ -432,3 +433,24 @@ def test_an_hdf5_of_sensors_is_named_and_its_export_too(tmp_path: Path) -> None:
     with pytest.raises(RecordingFormatError) as refused:
         readers.read(path)
     assert codes(refused.value.message) == ["file.hdf5_of_sensors"]
+
+
+@pytest.mark.parametrize(
+    ("start", "ending", "kind"),
+    [
+        (
+            b'{"ping":{"deviceName":"a"}}\nI,392000000,0.0279,-0.0274,0.0384,-0.0006,-0.0003,1.0007\n',
+            ".ximu3",
+            "ximu3",
+        ),
+        (b'{"ping":{"deviceName":"a"}}\n', ".json", "json"),
+        (b"\xfa\xff\x36\x10\x00\x00", ".csv", "mtb"),
+        (b"<?xml version='1.0'?><mvnx version='4'>", ".xml", "mvnx"),
+        (b"<!DOCTYPE html><html>", ".c3d", "web_page"),
+        (b"results\nnRows=2\nendheader\ntime\n", ".sto", "opensim"),
+        (b"time,ax,ay,az\n0,1,2,3\n", ".csv", None),
+    ],
+)
+def test_a_foreign_file_is_named_by_its_marks_then_by_its_ending(start, ending, kind):
+    said = what_it_is(start, ending)
+    assert (said and said.parameters["kind"]) == kind
