@@ -129,6 +129,3 @@ class Hold:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.release()
-
-
-__all__ = ["RESOURCES", "Hold", "Holder", "Limits", "Resource"]

@@ -166,6 +166,3 @@ def _uncaught(kind: type[BaseException], error: BaseException, trace: TracebackT
 def _uncaught_in_thread(arguments: threading.ExceptHookArgs) -> None:
     if arguments.exc_value is not None and not isinstance(arguments.exc_value, SystemExit):
         logger.critical("an error that nobody handled ended a thread", exc_info=arguments.exc_value)
-
-
-__all__ = ["JsonLines", "TextLines", "configure", "request_id", "safe_words"]

@@ -206,6 +206,3 @@ def _cipher(settings: Settings) -> ChaCha20Poly1305:
 
 def _unknown() -> InvalidInput:
     return InvalidInput(say("edge.no_such_page"), field="after")
-
-
-__all__ = ["MOST_ROWS", "ROWS", "Page", "WantedPage", "rows_of", "wanted_page"]

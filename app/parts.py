@@ -277,6 +277,3 @@ class Tasks:
                 await self._broker.client.publish(subject("done", partition), session_id.encode())
 
         self._published = asyncio.create_task(publish(), name="task done")
-
-
-__all__ = ["create_edge", "create_worker", "named", "process_name"]

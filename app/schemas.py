@@ -138,6 +138,3 @@ def _is_said(value: Any) -> bool:
     if isinstance(value, list | tuple):
         return bool(value) and isinstance(value[0], str) and any(isinstance(one, Sentence) for one in value)
     return isinstance(value, Sentence)
-
-
-__all__ = ["Day", "Flag", "Moment", "Schema", "SentenceOut", "SessionTime", "Spoken", "may_be_absent"]

@@ -50,6 +50,3 @@ def week_start(moment: datetime, zone: tzinfo) -> datetime:
     day = moment.astimezone(zone).date()
     monday = day - timedelta(days=day.weekday())
     return datetime.combine(monday, time(), zone).astimezone(UTC)
-
-
-__all__ = ["UTC_NAME", "is_time_zone", "time_zone", "week_start"]

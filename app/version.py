@@ -9,6 +9,3 @@ def service_version() -> str:
         return version("telemotion")
     except PackageNotFoundError:
         return "unknown"
-
-
-__all__ = ["service_version"]

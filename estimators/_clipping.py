@@ -196,6 +196,3 @@ def mark_clipped(chunk: ImuChunk) -> ImuChunk:
                 watch.add(values[start:stop], chunk.time_step_s)
             quality[s, at_levels(values, watch.levels)] |= np.uint8(SampleQuality.SATURATED)
     return chunk if (quality == chunk.quality).all() else replace(chunk, quality=quality)
-
-
-__all__ = ["LEAST_FORCE_RANGE_MPS2", "LEAST_RATE_RANGE_RADPS", "ClipWatch", "at_levels", "mark_clipped"]

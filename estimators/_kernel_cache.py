@@ -139,6 +139,3 @@ def use() -> None:
         numba.config.CACHE_LOCATOR_CLASSES = ",".join(
             f"{__name__}.{kind.__name__}" for kind in (ProvidedLocator, InTreeLocator, UserWideLocator)
         )
-
-
-__all__ = ["imported_files", "is_current", "use"]

@@ -99,17 +99,3 @@ def normalized(w: float, x: float, y: float, z: float) -> Scalars4:
 def wrapped(angle: float) -> float:
     """Bring an angle to the interval [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-
-
-__all__ = [
-    "SMALL_ANGLE_RAD",
-    "Scalars3",
-    "Scalars4",
-    "exponential",
-    "kernel",
-    "multiply",
-    "normalized",
-    "rotate",
-    "rotate_back",
-    "wrapped",
-]

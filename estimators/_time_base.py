@@ -162,6 +162,3 @@ def interpolate(time_s: ArrayLike, values: ArrayLike, new_time_s: ArrayLike) -> 
     time, table = np.asarray(time_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     at = np.asarray(new_time_s, dtype=np.float64)
     return np.stack([np.interp(at, time, column) for column in table.T], axis=-1)
-
-
-__all__ = ["ON_THE_TICK", "TimeBase", "bridge", "interpolate"]

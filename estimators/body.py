@@ -66,13 +66,3 @@ def body_from_stature(stature_m: float) -> BodyDimensions:
         shoulder_width_m=SHOULDER_WIDTH_PER_STATURE * stature_m,
         trunk_m=(SHOULDER_HEIGHT_PER_STATURE - HIP_HEIGHT_PER_STATURE) * stature_m,
     )
-
-
-__all__ = [
-    "ANKLE_HEIGHT_PER_STATURE",
-    "EYE_HEIGHT_PER_STATURE",
-    "HIP_HEIGHT_PER_STATURE",
-    "SHOULDER_HEIGHT_PER_STATURE",
-    "BodyDimensions",
-    "body_from_stature",
-]

@@ -145,5 +145,3 @@ MOTION: Final = CHANNELS[:3]
 """Unpacked together, by compiled code, and bridged over short gaps."""
 CARRIED: Final = tuple(spec for spec in CHANNELS[3:] if spec.field)
 """Carried with them where they are sent."""
-
-__all__ = ["CARRIED", "CHANNELS", "INERTIAL", "INERTIAL_WIDTH", "MOTION", "Channel", "ChannelSpec", "GapRule"]

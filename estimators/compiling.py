@@ -172,6 +172,3 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
         return cast(F, made)
 
     return decorate
-
-
-__all__ = ["Kernel", "NotCompiled", "compiled", "only_cached", "unchecked"]

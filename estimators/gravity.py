@@ -33,6 +33,3 @@ def calm_size(force: Float, time_step_s: float) -> float:
     spread = np.linalg.norm(pieces.std(axis=1), axis=1)
     calm = whole & (spread <= np.quantile(spread[whole], _CALM_SHARE))
     return float(np.median(sizes[: parts * width].reshape(parts, width)[calm]))
-
-
-__all__ = ["calm_size"]

@@ -152,6 +152,3 @@ def measures_of(part: Part, *, is_main: bool | None = None) -> tuple[str, ...]:
     return tuple(
         one.name for one in MEASURES if one.part == part and (is_main is None or one.is_main == is_main)
     )
-
-
-__all__ = ["MEASURES", "NamedMeasure", "Part", "measures_of"]

@@ -280,28 +280,3 @@ def from_scipy(rotation: "scipy.spatial.transform.Rotation") -> Float:
     """Return quaternions with w >= 0 of a scipy Rotation, shape (4,) or (N, 4)."""
     xyzw: NDArray[Any] = rotation.as_quat()
     return positive(xyzw[..., [3, 0, 1, 2]])
-
-
-__all__ = [
-    "about_x",
-    "about_y",
-    "about_z",
-    "angle_between",
-    "conjugate",
-    "continuous",
-    "exp",
-    "from_matrix",
-    "from_scipy",
-    "identity",
-    "log",
-    "mean",
-    "multiply",
-    "normalize",
-    "positive",
-    "rotate",
-    "shortest",
-    "slerp",
-    "split_heading",
-    "to_matrix",
-    "to_scipy",
-]

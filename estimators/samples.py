@@ -135,6 +135,3 @@ class Samples:
         twin = object.__new__(type(self))
         twin.__dict__.update(values)
         return twin
-
-
-__all__ = ["Samples"]

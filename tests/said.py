@@ -45,6 +45,3 @@ def refuses(
     found = [one for one in _all(caught.value.message) if one.code in wanted]
     assert found, f"{codes(caught.value.message)}: {caught.value.message}"
     assert {name: found[0].parameters[name] for name in parameters} == parameters
-
-
-__all__ = ["codes", "refuses", "sentence"]

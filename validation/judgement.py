@@ -78,6 +78,3 @@ def mean(values: Float) -> Estimate:
         return Estimate(middle, middle, middle)
     half = float(stats.t.ppf(1.0 - TAIL, count - 1) * values.std(ddof=1) / np.sqrt(count))
     return Estimate(middle, middle - half, middle + half)
-
-
-__all__ = ["Estimate", "Verdict", "mean", "quantile"]

@@ -62,6 +62,3 @@ def _out(clinic: Clinic, default_zone: str) -> ClinicOut:
         time_zone=clinic.time_zone or default_zone,
         is_time_zone_set=clinic.time_zone is not None,
     )
-
-
-__all__ = ["change_clinic", "read_clinic"]

@@ -13,6 +13,3 @@ router = APIRouter(prefix="/api", tags=["accuracy"])
 def get_accuracy(subject: CurrentSubject) -> AccuracyReport:
     """Return the published experiments as this version measured them: published, required and ours."""
     return stored_report()
-
-
-__all__ = ["router"]

@@ -86,6 +86,3 @@ def _machine() -> str:
     """Return the kind of machine, without its name."""
     python = f"{platform.python_implementation()} {platform.python_version()}"
     return f"{platform.system()} {platform.machine()}, {cpu_count()} cores, {python}"
-
-
-__all__ = ["fresh_seed", "make_report", "own_version", "renewed"]

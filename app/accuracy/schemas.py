@@ -89,13 +89,3 @@ class AccuracyReport(Schema):
     data: list[str]
     seconds: float
     protocols: list[AccuracyProtocol]
-
-
-__all__ = [
-    "AccuracyCurve",
-    "AccuracyFigure",
-    "AccuracyPlot",
-    "AccuracyProtocol",
-    "AccuracyReport",
-    "AccuracyVerdict",
-]

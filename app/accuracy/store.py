@@ -24,6 +24,3 @@ def stored_report() -> AccuracyReport:
     if not file.is_file():
         raise NotFound(say("edge.no_accuracy"))
     return AccuracyReport.model_validate_json(file.read_text(encoding="utf-8"))
-
-
-__all__ = ["FILE", "stored_report"]

@@ -299,6 +299,3 @@ def _out(found: Comparison, template_name: str) -> ComparisonOut:
         repetition_count=found.repetition_count,
         summary=[MeasureValue.model_validate(measure) for measure in found.summary["measures"]],
     )
-
-
-__all__ = ["VERSION", "compare_session", "compare_task", "detail", "list_of"]

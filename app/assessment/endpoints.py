@@ -92,6 +92,3 @@ def create_comparison(
 def get_comparison(comparison_id: str, session: ReadSession, subject: CurrentSubject) -> ComparisonDetail:
     """Return a comparison with every repetition and curve."""
     return comparisons.detail(session, subject, comparison_id)
-
-
-__all__ = ["router"]

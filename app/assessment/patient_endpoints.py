@@ -118,6 +118,3 @@ def erase_patient(patient_id: str, body: ErasureIn, subject: CurrentAccount, req
     """
     services = services_of(request)
     erase(services.engine, services.settings, subject, patient_id)
-
-
-__all__ = ["router"]

@@ -417,18 +417,3 @@ def _run_together(one: Prescription, other: Prescription) -> bool:
         and (one.ends_at is None or other.starts_at < one.ends_at)
         and (other.ends_at is None or one.starts_at < other.ends_at)
     )
-
-
-__all__ = [
-    "ADHERENCE_WINDOW",
-    "WHEN",
-    "Done",
-    "adherence",
-    "counts",
-    "done_since",
-    "last_done",
-    "list_prescriptions",
-    "share_out",
-    "with_practice_of",
-    "zone_of",
-]

@@ -139,6 +139,3 @@ def _moving_s(session: Session, found: MotionSession) -> float:
     result = recordings.result_of(session, found, None)
     moved_s = moving_time(read_frames(session, result.id), found.recording_start_s, found.recording_end_s)
     return moved_s if moved_s >= LEAST_MOVING_S else 0.0
-
-
-__all__ = ["NOTHING", "Practised", "practised", "practised_or_why", "walked_s"]

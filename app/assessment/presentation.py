@@ -138,17 +138,3 @@ def repetition_comparison(result: RepetitionResult, template: Template) -> Repet
 def summary_out(result: ComparisonResult, template: Template) -> list[MeasureValue]:
     """Return the summary over the accepted repetitions."""
     return [measure_out(measure, template) for measure in result.summary]
-
-
-__all__ = [
-    "curve_values",
-    "measure_out",
-    "measure_shown",
-    "number",
-    "phase_curves_out",
-    "phases_out",
-    "repetition_comparison",
-    "repetition_out",
-    "shown_unit",
-    "summary_out",
-]

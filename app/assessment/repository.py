@@ -328,21 +328,3 @@ def get_comparison(
     audit.record(session, subject, "comparison.read", found.patient_id, comparison.id)
     version = session.get_one(TemplateVersion, comparison.template_version_id)
     return comparison, session.get_one(Template, version.template_id), version
-
-
-__all__ = [
-    "TemplateSearch",
-    "add_comparison",
-    "add_drawn_version",
-    "add_version",
-    "exercise_of",
-    "get_comparison",
-    "get_template",
-    "get_version",
-    "list_comparisons",
-    "list_templates",
-    "names_of_makers",
-    "newest_version",
-    "prescribed_version",
-    "treated_template",
-]

@@ -119,6 +119,3 @@ def walk_label(measure: str) -> str:
 def walk_order(measure: str) -> int:
     """Return the place of a measure among those of a walk, the most telling first."""
     return _ORDER.index(measure.removeprefix(_PREFIX))
-
-
-__all__ = ["walk_label", "walk_order", "walk_values"]

@@ -203,6 +203,3 @@ def _welcome(ports: Sequence[int], is_complete: bool) -> None:
         "",
     ]
     typer.echo("\n".join(lines))
-
-
-__all__ = ["demo_scaled"]

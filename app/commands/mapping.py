@@ -174,6 +174,3 @@ def _complaint(error: Any, content: Any) -> str:
         named = f" ({', '.join(map(str, columns))})" if isinstance(columns, list) else ""
         return f"signal {where[1] + 1}{named}, {'.'.join(map(str, where[2:]))}: {error['msg']}"
     return f"{'.'.join(map(str, where))}: {error['msg']}"
-
-
-__all__ = ["as_json", "guessed_mapping", "mapping", "mapping_from", "previewed"]

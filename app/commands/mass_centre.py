@@ -95,6 +95,3 @@ def mass_centre(
                 f"  {name:<26} {values.min():7.3f} to {values.max():7.3f} m, sigma {np.median(sigma):.3f} m"
             )
     typer.echo(f"  assumed, without a sensor: {', '.join(assumed) or 'none'}")
-
-
-__all__ = ["mass_centre"]

@@ -74,6 +74,3 @@ def _close(path: Path, mode: int) -> None:
             f"{path} can be read by other accounts of this machine, and this account may not change that."
             f" Let its owner run: chmod {mode:o} {path}"
         ) from error
-
-
-__all__ = ["make_private"]

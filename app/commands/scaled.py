@@ -98,6 +98,3 @@ class _Guarded:
             await send({"type": "http.response.body", "body": b""})
         else:
             await send({"type": "websocket.close", "code": 1008})
-
-
-__all__ = ["edge", "nats_config", "worker"]

@@ -161,6 +161,3 @@ def lines_of(path: Path) -> list[bytes]:
 
 def _line(entry: Ended) -> bytes:
     return json.dumps(asdict(entry), separators=(",", ":")).encode() + b"\n"
-
-
-__all__ = ["ACTIONS", "ENTRY", "OPTION", "Ended", "add", "lines_of", "of_event", "parse", "path_of", "read"]

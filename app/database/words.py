@@ -36,6 +36,3 @@ class Words(TypeDecorator[str]):
             return value
         text: str = CATALOGUE.restored(json.loads(value))
         return text
-
-
-__all__ = ["Words"]

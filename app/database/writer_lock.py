@@ -332,6 +332,3 @@ def _in_use(place: str, holder: str) -> DatabaseInUse:
         "stop that one first, or name another database in TELEMOTION_DATABASE_URL.",
         holder=holder,
     )
-
-
-__all__ = ["DatabaseInUse", "RunnerLock", "WriterLock", "shared_lock", "writer_lock"]

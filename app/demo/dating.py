@@ -30,6 +30,3 @@ def date_back(engine: Engine, session_id: str, days: float) -> None:
             result.created_at -= shift
         for comparison in session.scalars(select(Comparison).where(Comparison.session_id == session_id)):
             comparison.created_at -= shift
-
-
-__all__ = ["date_back"]

@@ -107,6 +107,3 @@ async def until_fused(service: ServiceClient, session_id: str) -> None:
             raise TelemotionError(found["message"])
         await asyncio.sleep(_POLL_S)
     raise TelemotionError("The markers were not fused in time.")
-
-
-__all__ = ["send_markers", "until_fused", "write_markers"]

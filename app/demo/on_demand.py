@@ -125,6 +125,3 @@ class OnDemand:
             self._device.counts[tick] = self._script.counts[self._place]
             self._place += 1
         self._written = max(begin, end)
-
-
-__all__ = ["OnDemand", "Script", "script_of"]

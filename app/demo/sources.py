@@ -107,6 +107,3 @@ async def make_source_session(service: ServiceClient, engine: Engine, patient_id
     await service.wait_for_state(created.id, "analysed", timeout_s=_TIMEOUT_S)
     await asyncio.to_thread(date_back, engine, created.id, DAYS_AGO)
     return created.id
-
-
-__all__ = ["MOVEMENT", "make_source_session", "rehearse", "setup_of"]

@@ -80,6 +80,3 @@ def _simulate(walk: PastWalk, path: Path) -> None:
     course = (Bout((Leg(STEPS),), 3.0),)
     scenario = replace(preset, walk=style, rate_hz=RATE_HZ, course=course)
     write_instrumented_shoe(simulate_gait(scenario).recording, path)
-
-
-__all__ = ["PAST_WALKS", "PastWalk", "make_walk"]

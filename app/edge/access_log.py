@@ -97,6 +97,3 @@ def template(scope: Scope) -> str:
     """
     path = getattr(scope.get("route"), "path", None)
     return path if isinstance(path, str) else "-"
-
-
-__all__ = ["REQUEST_ID_HEADER", "AccessLog", "served", "template"]

@@ -96,6 +96,3 @@ def demonstration(request: Request, subject: CurrentSubject) -> HistoryOut | Non
     if history is None or history.is_complete:
         return None
     return HistoryOut(prepared=len(history.done), total=history.total)
-
-
-__all__ = ["NAME", "STEPS", "HistoryProgress", "complete", "new_progress", "router"]

@@ -58,6 +58,3 @@ def _number(schema: dict[str, Any], plain: float) -> float:
         return plain
     middle = least / 2 + most / 2 if most > least else least
     return type(plain)(middle)
-
-
-__all__ = ["example"]

@@ -70,6 +70,3 @@ def name_of(host: str) -> str:
     if closing:
         return name.removeprefix("[")
     return name.partition(":")[0].removesuffix(".")
-
-
-__all__ = ["KnownHosts", "name_of"]

@@ -171,6 +171,3 @@ async def ready(request: Request) -> ReadyOut:
         return ReadyOut(status="ready", reasons={})
     body = ReadyOut(status="not_ready", reasons=reasons).model_dump()
     return JSONResponse(body, status_code=503, headers={"Retry-After": "5"})  # type: ignore[return-value]
-
-
-__all__ = ["Readiness", "router", "storing_checks"]

@@ -116,6 +116,3 @@ def _number(value: float) -> str:
 
 def _escaped(text: str) -> str:
     return text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-
-
-__all__ = ["CONTENT_TYPE", "Histogram", "Registry"]

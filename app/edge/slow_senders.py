@@ -189,6 +189,3 @@ class TimedBodies:
             await send(message)
 
         await self.app(scope, receive_timed, send_noting)
-
-
-__all__ = ["MOST_HEAD_BYTES", "TimedBodies", "TimedHeaders", "timed_headers"]

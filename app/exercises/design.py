@@ -108,15 +108,3 @@ class TemplateDesign(Schema):
     pace: PaceDesign = Field(default_factory=PaceDesign)
     weights: list[WeightDesign] = Field(default_factory=list, max_length=12)
     """Parts of a sum of measures; none, no sum: nothing is weighed that the therapist did not weigh."""
-
-
-__all__ = [
-    "CueDesign",
-    "KnotDesign",
-    "PaceDesign",
-    "PhaseDesign",
-    "StopDesign",
-    "TemplateDesign",
-    "ToleranceDesign",
-    "WeightDesign",
-]

@@ -123,6 +123,3 @@ def _then(state: dict[str, Any], start: datetime, end: datetime | None) -> DoseT
         tuple(state["days"] or ()),
         tuple(state["times"] or ()),
     )
-
-
-__all__ = ["DoseHistory", "DoseThen", "dose_histories", "dose_on", "doses_of", "lasting"]

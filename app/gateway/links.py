@@ -93,6 +93,3 @@ async def open_link(url: str, ticket: str) -> Link:
 
         return await MqttLink.open(url, ticket)
     return await WebSocketLink.open(url)
-
-
-__all__ = ["Link", "WebSocketLink", "open_link"]

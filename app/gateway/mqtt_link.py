@@ -140,6 +140,3 @@ class MqttLink:
             self._client.disconnect()
         self._is_open = False
         await asyncio.to_thread(self._client.loop_stop)
-
-
-__all__ = ["MqttLink"]

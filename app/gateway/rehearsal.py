@@ -180,6 +180,3 @@ async def rehearse(
         raise Conflict("The calibration came to no end.", session_id=created.id)
     say(f"{found.phase}, score {found.score}" + "".join(f"; {reason}" for reason in found.reasons))
     return created.id, found
-
-
-__all__ = ["Rehearsal", "rehearsal_of", "rehearse"]

@@ -187,6 +187,3 @@ class RelativePatient:
             scene.gyroscope_radps[k], scene.accelerometer_mps2[k], np.clip(field_t, -limit_t, limit_t), 0.0
         ]
         return np.stack([sensor, source] if faults.modules_exchanged else [source, sensor])
-
-
-__all__ = ["RELATIVE_MOVEMENTS", "RelativeFaults", "RelativePatient"]

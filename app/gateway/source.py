@@ -156,6 +156,3 @@ class SourceControl:
 
 def _within(current_a: float, limit_a: float) -> float:
     return min(max(current_a, -limit_a), limit_a)
-
-
-__all__ = ["FixedBursts", "SourceAccount", "SourceControl"]

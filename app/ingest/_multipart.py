@@ -187,6 +187,3 @@ def too_large(limit_bytes: int) -> TooLarge:
         say("upload.too_large", limit_bytes=limit_bytes),
         limit_bytes=limit_bytes,
     )
-
-
-__all__ = ["UploadReceiver", "announced_bytes", "too_large"]

@@ -27,6 +27,3 @@ def titles() -> dict[str, str]:
 def english() -> dict[str, Any]:
     """Return all of it in English, by code."""
     return {**ENGLISH, **titles()}
-
-
-__all__ = ["english", "titles"]

@@ -118,6 +118,3 @@ class PacketSink(Protocol):
 
     async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
         """Open the session of the hello's ticket. Raises typed errors."""
-
-
-__all__ = ["GatewaySocket", "Intake", "PacketSender", "PacketSink", "PooledPackets"]

@@ -220,6 +220,3 @@ def _cluster(tracks: MarkerTracks, declared: MarkerFileIn) -> Float | None:
 
 def _plain(value: float) -> float | None:
     return round(value, 6) if np.isfinite(value) else None
-
-
-__all__ = ["fuse_tracks", "motion_of", "report_of"]

@@ -69,6 +69,3 @@ def _samples(
     if not rates:
         raise InvalidInput(say("session.no_samples"))
     return np.concatenate(rates), np.concatenate(forces), np.concatenate(bridged), step_s
-
-
-__all__ = ["fuse"]

@@ -136,6 +136,3 @@ def _declaration(text: bytes) -> MarkerUploadIn:
         ][:20]
         names = list(dict.fromkeys(item["field"] or "declaration" for item in problems))
         raise InvalidInput(say("upload.fields", fields=names), problems=problems) from error
-
-
-__all__ = ["FILE_LIMIT_BYTES", "register", "router"]

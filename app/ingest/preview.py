@@ -89,6 +89,3 @@ def list_formats(_: CurrentSubject) -> list[FormatOut]:
         )
         for one in readers.readers().values()
     ]
-
-
-__all__ = ["router"]

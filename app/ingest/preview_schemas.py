@@ -66,6 +66,3 @@ class TablePreview(Spoken):
     """What a person must add."""
     doubts: list[str]
     """Why it cannot be read so, or cannot be right so, by its beginning."""
-
-
-__all__ = ["PreviewIn", "SensorPreview", "TablePreview"]

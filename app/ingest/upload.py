@@ -198,11 +198,3 @@ def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], floa
     reader = readers.reader_of(declaration.format) if declaration.format else most
     placements, rate_hz = reader.announces(source)
     return cast(list[Placement], list(placements)), rate_hz
-
-
-__all__ = [
-    "parse_declaration",
-    "pipeline_of",
-    "register",
-    "router",
-]

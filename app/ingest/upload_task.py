@@ -242,6 +242,3 @@ def _finish(context: JobContext, analysis: Analysis) -> None:
                 )
             )
         enqueue_comparison(session, found)
-
-
-__all__ = ["upload"]

@@ -144,6 +144,3 @@ class Admission:
         if is_late or streaming + quiet >= self._most or busy + (quiet + 1) * cost > MOST_BUSY:
             self.refused += 1
             raise Unavailable(FULL, retry_after_s=RETRY_S, reason="full")
-
-
-__all__ = ["FULL", "WINDOW_S", "Admission", "crowd"]

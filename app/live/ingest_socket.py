@@ -25,6 +25,3 @@ async def ingest(websocket: WebSocket) -> None:
     connection = IngestConnection(websocket, sink, speed, lean_socket(websocket))
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
-
-
-__all__ = ["router"]

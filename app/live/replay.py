@@ -70,6 +70,3 @@ def _timing(session: Session, found: MotionSession, result_id: str | None) -> tu
     if kind != "live":
         return kept_hz, 0.0
     return kept_hz, pipelines.create(SessionSetup.from_dict(found.setup)).delay_ticks / rate_hz
-
-
-__all__ = ["router"]

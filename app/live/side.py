@@ -139,6 +139,3 @@ class SteeredSide(LiveSide):
     @abstractmethod
     async def check_source(self, session_id: str) -> None:
         """Let the source of a session that is live here fire only while it is confirmed to be safe."""
-
-
-__all__ = ["LiveSide", "SteeredSide"]

@@ -81,6 +81,3 @@ class CountedSink:
         """Open the session of the hello's ticket. Raises typed errors."""
         with self._wrong.counted(self._address):
             return await self._sink.open(hello, declaration)
-
-
-__all__ = ["CountedSink", "WrongTickets"]

@@ -26,6 +26,3 @@ async def until_first_ends(tasks: Iterable[asyncio.Task[None]]) -> None:
         for task in sides:
             if not task.cancelled():
                 task.exception()
-
-
-__all__ = ["until_first_ends"]

@@ -214,16 +214,3 @@ def lean_socket(websocket: WebSocket) -> LeanSocket | None:
     """Return the connection under an accepted WebSocket; None where another server carries it."""
     extension = websocket.scope.get("extensions", {}).get(EXTENSION)
     return extension["socket"] if extension else None
-
-
-__all__ = [
-    "LONG",
-    "LONGEST_MEDIUM",
-    "MEDIUM",
-    "WHOLE_BINARY",
-    "WHOLE_TEXT",
-    "BinaryReader",
-    "LeanSocket",
-    "frame_head",
-    "lean_socket",
-]

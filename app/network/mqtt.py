@@ -46,17 +46,3 @@ def topic(name: str, kind: Topic) -> str:
 def subject(name: str, kind: Topic) -> str:
     """Return the same as NATS spells it; `*` is every connection."""
     return f"{ROOT}.{name}.{kind}"
-
-
-__all__ = [
-    "ANSWER_S",
-    "DOWN",
-    "LIVES_S",
-    "SILENCE_S",
-    "UP",
-    "WINDOW",
-    "Topic",
-    "connection_name",
-    "subject",
-    "topic",
-]

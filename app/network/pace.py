@@ -58,6 +58,3 @@ def pause_s(connections: int, seconds: float) -> float:
         In which all of them are to be ended.
     """
     return min(PAUSE_S, seconds / max(connections, 1))
-
-
-__all__ = ["BURST_S", "PAUSE_S", "Pace", "pause_s"]

@@ -103,6 +103,3 @@ def _exactly(source: BinaryIO, length: int, number: int | None = None) -> bytes:
             say("log.cut_off_in_hello") if number is None else say("log.cut_off", number=number)
         )
     return data
-
-
-__all__ = ["MAGIC", "log_entry", "log_head", "packet_message", "read_entries", "read_head", "write_log"]

@@ -137,6 +137,3 @@ def runs_of(first_sequence: int, messages: list[bytes], arrivals_ns: list[int]) 
         PacketRun(first_sequence + start, messages[start:stop], arrivals_ns[start:stop])
         for start, stop in pairwise(starts)
     ]
-
-
-__all__ = ["HEAD_COLUMNS", "H_ARRIVAL", "H_TICKS", "PacketRun", "heads_of", "joined_ranges", "runs_of"]

@@ -119,6 +119,3 @@ def ranges_of(sequences: list[int]) -> list[tuple[int, int]]:
     if sequences == list(range(start, stop)):
         return [(start, stop)]
     return list(SequenceRanges((sequence, sequence + 1) for sequence in sequences))
-
-
-__all__ = ["SequenceRanges", "ranges_of"]

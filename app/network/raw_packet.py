@@ -75,6 +75,3 @@ class RawPacket:
         """Return the payload as a view, shape (tick_count, values_per_tick), float32 or int16 counts."""
         dtype = np.dtype("<i2") if self.encoding == COUNTS else np.dtype("<f4")
         return np.frombuffer(self.payload, dtype=dtype).reshape(self.tick_count, -1)
-
-
-__all__ = ["COUNTS", "FLOAT32", "WIDTH", "RawPacket"]

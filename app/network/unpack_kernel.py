@@ -105,5 +105,3 @@ def _signature(number: Any) -> Any:
 
 
 unpack = borrowing([_signature(types.int16), _signature(types.float32)])(unpack_python)
-
-__all__ = ["unpack", "unpack_python"]

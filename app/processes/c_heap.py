@@ -58,6 +58,3 @@ def gives_back(every_s: float = GIVE_BACK_EVERY_S) -> Iterator[None]:
 
 def _is_glibc() -> bool:
     return platform.libc_ver()[0] == "glibc"
-
-
-__all__ = ["ARENAS", "GIVE_BACK_EVERY_S", "gives_back", "share_arenas"]

@@ -141,6 +141,3 @@ class Reader(ABC):
     def announces(self, source: Source) -> tuple[tuple[str, ...], float]:
         """Return sensors and rate in Hz as far as they are known without reading the whole file."""
         return self.placements, 100.0
-
-
-__all__ = ["TEXT", "Reader", "Source"]

@@ -96,6 +96,3 @@ def _of_text(start: bytes) -> str | None:
     if re.search(rb"^endheader\s*$", text, re.MULTILINE):
         return "opensim"
     return None
-
-
-__all__ = ["what_it_is"]

@@ -117,6 +117,3 @@ def stretches(pieces: Iterable[ImuChunk], length_s: float) -> Iterator[ImuChunk]
             taken = []
     if taken:
         yield ImuChunk.join(taken)
-
-
-__all__ = ["PIECE_TICKS", "Judgement", "cut", "judged", "stretches"]

@@ -147,6 +147,3 @@ def read_packet_log(path: Path) -> Recording:
 
 def _about(log: LogReader) -> dict[str, str]:
     return {"format": "packet_log", "damaged_packets": str(log.damaged)}
-
-
-__all__ = ["LogReader", "declaration_of", "read_packet_log", "read_ticks"]

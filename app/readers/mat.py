@@ -46,6 +46,3 @@ def variables_of(path: Path) -> frozenset[str]:
         return frozenset(name for name, _, _ in scipy.io.whosmat(path))
     except Exception as error:
         raise RecordingFormatError(say("mat.unreadable")) from error
-
-
-__all__ = ["load_mat", "variables_of"]

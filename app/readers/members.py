@@ -120,6 +120,3 @@ def _check_directory(archive: Path) -> None:
         raise RecordingFormatError(say("zip.damaged"))
     if length > _MOST_DIRECTORY_BYTES:
         raise RecordingFormatError(say("zip.many", count=count, most=MOST_MEMBERS))
-
-
-__all__ = ["MOST_MEMBERS", "ZIP_MARK", "Member", "members_of", "reading"]

@@ -46,6 +46,3 @@ def as_metadata(seconds: float) -> dict[str, str]:
     """
     moment = moment_of(seconds)
     return {} if moment is None else {RECORDED_AT: moment.isoformat(timespec="milliseconds")}
-
-
-__all__ = ["RECORDED_AT", "as_metadata", "is_possible", "moment_of"]

@@ -238,6 +238,3 @@ def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple
             for tick in range(first, stop):
                 yield tick, tick + 1
         first = stop
-
-
-__all__ = ["RecordingPackets", "as_feet", "packets_of", "stamped"]

@@ -123,6 +123,3 @@ def recognised(source: Source) -> str:
         if reader.recognises(source):
             return reader.name
     raise RecordingFormatError(say("file.format_not_recognised", formats=list(readers())))
-
-
-__all__ = ["format_of", "guess", "read", "reader_of", "readers", "recognised"]

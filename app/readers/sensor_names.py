@@ -27,6 +27,3 @@ def check_names(names: Iterable[str]) -> None:
     if wrong:
         shown = ["".join(one if one.isprintable() else "?" for one in name[:40]) for name in wrong[:5]]
         raise RecordingFormatError(say("file.sensor_name", names=shown), names=shown)
-
-
-__all__ = ["PATTERN", "check_names"]

@@ -85,6 +85,3 @@ def _means(signals: SensorSignals, count: int, rate_hz: float) -> SensorSignals:
     measured = {spec.field: getattr(signals, spec.field, None) for spec in CHANNELS}
     means: dict[str, Any] = {field: mean(values) for field, values in measured.items() if values is not None}
     return replace(signals, time_s=mean(signals.time_s), **means)
-
-
-__all__ = ["LEAST_HZ", "MOST_HZ", "slower"]

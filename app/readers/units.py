@@ -182,15 +182,3 @@ def _iron_or(units: list[str]) -> Sentence:
 def _advice(unit: str | None) -> Sentence:
     """Return what to do: declare the unit that the values fit, or check everything."""
     return say("file.looks_like_unit", unit=unit) if unit else say("signal.check_columns")
-
-
-__all__ = [
-    "TO_SI",
-    "UNITS",
-    "accepting",
-    "check_accelerometer",
-    "check_foot_gyroscope",
-    "check_gyroscope",
-    "check_magnetometer",
-    "is_earths",
-]

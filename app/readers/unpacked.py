@@ -116,6 +116,3 @@ def _too_much(path: Path, unpacked_bytes: int, most_bytes: int) -> RecordingForm
         unpacked_bytes=unpacked_bytes,
         limit_bytes=most_bytes,
     )
-
-
-__all__ = ["MOST_BYTES", "check_hdf5", "check_mat"]

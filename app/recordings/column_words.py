@@ -71,6 +71,3 @@ def scalar_words(scalar: str) -> str:
     plain = re.sub(r"^foot_(left|right)_", "", scalar)
     name = re.sub(rf"_({'|'.join(_UNITS)})$", "", plain)
     return _SCALARS.get(name, name.replace("_", " "))
-
-
-__all__ = ["FLAGS", "angle_words", "flags_words", "scalar_words", "sequence_of", "unit_of"]

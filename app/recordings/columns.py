@@ -156,6 +156,3 @@ def csv_cell(text: str) -> str:
         With a quote before it where it begins as formulas do.
     """
     return f"'{text}" if text[:1] in {"=", "+", "-", "@", "\t", "\r"} else text
-
-
-__all__ = ["csv_cell", "dictionary", "frames_table"]

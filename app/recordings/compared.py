@@ -122,6 +122,3 @@ def body_source(session: Session, found: MotionSession, result: Result) -> Sourc
         found.recording_start_s,
         found.recording_end_s,
     )
-
-
-__all__ = ["Cycles", "Source", "body_source", "frames_of"]

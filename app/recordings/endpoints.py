@@ -152,6 +152,3 @@ def get_job(job_id: str, session: ReadSession, subject: CurrentSubject) -> JobOu
 def list_estimators(subject: CurrentSubject) -> list[EstimatorOut]:
     """Return the orientation estimators that a session can run with."""
     return estimators_out()
-
-
-__all__ = ["router"]

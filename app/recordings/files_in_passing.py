@@ -84,14 +84,3 @@ def remove_orphans(engine: Engine, settings: Settings, older_than_s: float = 0.0
     for path in orphans:
         path.unlink(missing_ok=True)
     return len(orphans)
-
-
-__all__ = [
-    "SWEEP_S",
-    "file_of",
-    "open_private",
-    "remove_file",
-    "remove_files_of",
-    "remove_orphans",
-    "upload_folder",
-]

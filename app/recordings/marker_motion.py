@@ -184,16 +184,3 @@ def _pieces(
             if name in names:
                 values[:, column] = stored[:, names.index(name)]
         yield Motion((first + np.arange(ticks)) * step, values)
-
-
-__all__ = [
-    "LONGEST_S",
-    "Motion",
-    "csv_head",
-    "csv_lines",
-    "motion_between",
-    "motion_csv",
-    "newest",
-    "read_motion",
-    "require",
-]

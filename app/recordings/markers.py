@@ -205,18 +205,3 @@ def sound(row: SignalChunk) -> bytes:
     if codecs.checksum(row.data) != row.crc:
         raise codecs.DamagedChunkError(say("stored.checksum"))
     return row.data
-
-
-__all__ = [
-    "COLUMNS",
-    "KIND",
-    "MOTION_STREAM",
-    "file_pieces",
-    "markers_of",
-    "session_for",
-    "sound",
-    "store_file",
-    "store_fusion",
-    "stored_bytes",
-    "write_file",
-]

@@ -93,6 +93,3 @@ def result_ticks(session: Session, result: Result) -> int:
         )
     )
     return int(end or 0) // result.stride
-
-
-__all__ = ["MAX_POINTS", "DescribedPoints", "described", "result_ticks", "ticks_between"]

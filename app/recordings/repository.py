@@ -282,22 +282,3 @@ def erase_session(session: Session, settings: Settings, found: MotionSession) ->
     """Delete a session with everything that hangs on it and its files; the caller has checked the right."""
     remove_files_of(session, settings, select(MotionSession.id).where(MotionSession.id == found.id))
     session.execute(delete(MotionSession).where(MotionSession.id == found.id))
-
-
-__all__ = [
-    "add_job",
-    "create_session",
-    "delete_session",
-    "erase_session",
-    "events_of",
-    "exercise_name",
-    "get_job",
-    "get_session",
-    "jobs_of",
-    "list_sessions",
-    "mounting_of",
-    "patient_of",
-    "recording_level",
-    "result_of",
-    "results_of",
-]

@@ -93,6 +93,3 @@ def write_results(table: pa.Table, setup: SessionSetup, origin: dict[str, Any], 
         ("setup.json", {**origin, **setup_record(setup)}),
     ):
         (out / name).write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-__all__ = ["origin_of", "setup_record", "software", "write_results"]

@@ -28,6 +28,3 @@ def get_series(
     """Return curves of a result with their uncertainty; `names` between commas, such as `arm_points,mass_centre`."""
     wanted = [name for name in names.split(",") if name]
     return series_of(session, subject, session_id, wanted, result_id, start_s, end_s, max_points)
-
-
-__all__ = ["router"]

@@ -380,22 +380,3 @@ def queue_reprocess_all(
         for name in dict.fromkeys(wanted.orientations or known)
         if not (wanted.skip_present and (name, known[name].version) in present)
     ]
-
-
-__all__ = [
-    "body_of",
-    "checked",
-    "create",
-    "describe",
-    "detail",
-    "frames",
-    "job_out",
-    "layout_of",
-    "layout_out",
-    "list_of_patient",
-    "packet_log",
-    "queue_closing",
-    "queue_reprocess",
-    "queue_reprocess_all",
-    "result_out",
-]

@@ -118,6 +118,3 @@ def _begin(settings: Settings, positions: Sequence[int]) -> None:
                 )
     finally:
         engine.dispose()
-
-
-__all__ = ["backup", "restore"]

@@ -42,6 +42,3 @@ def save(engine: Engine, partition: int, position: int, checkpoints: Mapping[str
             .with_for_update(read=True, key_share=True)
         )
         write_checkpoints(connection, {name: checkpoints[name] for name in there})
-
-
-__all__ = ["save"]

@@ -99,6 +99,3 @@ def _text(data: bytes) -> str:
 def _check(data: bytes) -> bytes:
     """Return the check sum that NATS adds to its keys: the CRC of XMODEM."""
     return binascii.crc_hqx(data, 0).to_bytes(2, "little")
-
-
-__all__ = ["Credentials", "Kind", "public_text", "read_credentials"]

@@ -124,6 +124,3 @@ def _end_transactions(engine: Engine, partition: int, holder: str) -> None:
                 ),
                 {"name": before},
             )
-
-
-__all__ = ["Fence", "FencedError", "fenced", "holders", "install", "take_over"]

@@ -20,6 +20,3 @@ class PartitionHold(Base):
     position: Mapped[int] = mapped_column(BigInteger, default=0)
     """Everything of the stream up to and including this number is in the other tables."""
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
-
-
-__all__ = ["PartitionHold"]

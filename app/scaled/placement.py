@@ -14,6 +14,3 @@ def share_of(rank: int, workers: int, partitions: int) -> tuple[int, int]:
     """
     least, more = divmod(partitions, workers)
     return rank * least + min(rank, more), least + (rank < more)
-
-
-__all__ = ["share_of"]

@@ -92,6 +92,3 @@ def fill(
             await broker.close()
 
     asyncio.run(write())
-
-
-__all__ = ["fill", "read_all"]

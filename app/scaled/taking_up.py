@@ -120,6 +120,3 @@ def _results(session: Session, ids: Sequence[str]) -> tuple[dict[str, list[Any]]
         if row.prescription_id is not None:
             prescribed.add(row.session_id)
     return results, prescribed
-
-
-__all__ = ["read_streamed"]

@@ -86,5 +86,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "patient.session_live": "A session of this patient is live; end it first.",
     "patient.being_analysed": "A recording of this patient is being analysed; try again in a minute.",
 }
-
-__all__ = ["ENGLISH"]

@@ -113,5 +113,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "comparison.not_practised": "This session does not count as practised. {reason}",
     "comparison.done": "Repetitions compared: {kept} of {all}.",
 }
-
-__all__ = ["ENGLISH"]

@@ -150,5 +150,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "table.unreadable": "The file cannot be read as a table; check the character between its columns.",
     "table.in_columns": "{reason} (In the file: {columns:and}.)",
 }
-
-__all__ = ["ENGLISH"]

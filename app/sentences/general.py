@@ -19,5 +19,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.no_accuracy": "This installation has no accuracy report; make one with `telemotion validate`.",
     "edge.no_such_file": "There is no such file.",
 }
-
-__all__ = ["ENGLISH"]

@@ -76,5 +76,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guide_t_pose.pose": "Stand upright, both arms straight out to the sides at shoulder height, palms down,"
     " and hold still.",
 }
-
-__all__ = ["ENGLISH"]

@@ -154,5 +154,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.restarted": "The service was restarted.",
     "live.source_not_stopped": "The magnetic source fires although it was stopped. Switch it off by hand.",
 }
-
-__all__ = ["ENGLISH"]

@@ -39,5 +39,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.hemisphere_unknown": "Where it was recorded is not known: its magnetic field does not show a reversed"
     " accelerometer.",
 }
-
-__all__ = ["ENGLISH"]

@@ -84,5 +84,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "result.no_movement": "This result holds no movement yet; wait until its analysis is finished.",
     "session.analysed": "Analysed.",
 }
-
-__all__ = ["ENGLISH"]

@@ -14,5 +14,3 @@ def _names() -> Iterator[tuple[str, str]]:
 
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = dict(_names())
-
-__all__ = ["ENGLISH"]

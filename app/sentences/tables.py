@@ -135,5 +135,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guess.unit_assumed": "The columns {columns:and} say no unit and their numbers none either; {unit:unit} is"
     " assumed.",
 }
-
-__all__ = ["ENGLISH"]

@@ -100,5 +100,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "bench.weak": "These places determine the field only to ±{sigma:percent}. Lay the sensor at more places"
     " and nearer: 10 to 25 cm from the middle, on every side.",
 }
-
-__all__ = ["ENGLISH"]

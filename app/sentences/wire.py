@@ -98,5 +98,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "packet.not_understood": "The message is not valid: {faults}",
     "packet.nothing_right": "No valid message arrived for a long time; see docs/packet.md.",
 }
-
-__all__ = ["ENGLISH"]

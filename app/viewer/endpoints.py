@@ -126,6 +126,3 @@ def _socket_origin(services: Services) -> str:
 @lru_cache(maxsize=1)
 def _compressed_page() -> bytes:
     return gzip.compress(build_page().html.encode("utf-8"), 6, mtime=0)
-
-
-__all__ = ["router"]

@@ -57,6 +57,3 @@ def _between(values: NDArray[Any], parts: int) -> NDArray[Any]:
         between[part:-1:parts] = values[:-1] if not part else (1 - share) * values[:-1] + share * values[1:]
     between[-1] = values[-1]
     return between
-
-
-__all__ = ["fluent"]

@@ -42,6 +42,3 @@ class SilenceWatch:
         if len(self._counts) > 1:
             return NO_DATA if self._counts[0] == self._counts[1] else NO_PICTURE
         return NO_DATA if self._state == "link_lost" else None
-
-
-__all__ = ["NO_DATA", "NO_PICTURE", "SilenceWatch"]

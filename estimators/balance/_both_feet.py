@@ -257,6 +257,3 @@ def _drawn(pose: ShoePose, shift_m: Float) -> ShoePose:
     part = np.cumsum(way) / max(float(way.sum()), 1e-9)
     drift = np.column_stack((part[:, None] * shift_m, np.zeros(part.size)))
     return replace(pose, heel_m=pose.heel_m + drift, forefoot_m=pose.forefoot_m + drift)
-
-
-__all__ = ["BothFeet", "Weights", "body_mass", "combine_feet", "standing", "total_reaction"]

@@ -104,6 +104,3 @@ def _pooled(samples: Sequence[Sample]) -> Sample:
     if not np.isfinite(spread):
         spread = float("nan")
     return Sample(mean, spread, int(total))
-
-
-__all__ = ["Change", "Sample", "compare_conditions"]

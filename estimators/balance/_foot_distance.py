@@ -76,6 +76,3 @@ def distance_between_feet(
     if power < 0.01 * stepping.size or not stepping.size:
         raise ShapeError("the feet do not carry the weight in turn; a distance takes some steps")
     return float(stepping @ (fast(anchor) - fast(moved[:, axis]))[counted] / power)
-
-
-__all__ = ["distance_between_feet"]

@@ -324,6 +324,3 @@ def balance_live(
                 result[MARGIN] = _margin(
                     corners, k, x[0, APART], x[1, APART], result[GOING], result[GOING + 1], hull
                 )
-
-
-__all__ = ["MEMORY", "OUT", "SETTINGS", "STATES", "balance_live"]

@@ -113,6 +113,3 @@ def _effect(flat: Float, levels: tuple[int, ...], chosen: tuple[int, ...], name:
         float(scipy.stats.f.sf(f, epsilon * degrees[0], epsilon * degrees[1])),
         of_effect / total if total > 0.0 else 0.0,
     )
-
-
-__all__ = ["Effect", "repeated_measures"]

@@ -193,16 +193,3 @@ def sideways_margin(
     edge = np.max(np.where(np.isnan(reach), -np.inf, reach), axis=1)
     margin = edge - np.sum(extrapolated_m[:, :2] * outward, axis=1)
     return np.where(np.isfinite(edge), margin, np.nan)
-
-
-__all__ = [
-    "SOLE_HALF_WIDTH_M",
-    "StabilityMargin",
-    "base_of_support",
-    "extrapolated_mass_centre",
-    "margin_to_edge",
-    "sideways_margin",
-    "sole_corners",
-    "sole_outline",
-    "stability_margin",
-]

@@ -85,6 +85,3 @@ def _within(rests: Float, part: slice) -> Float:
     """Return the rests of a foot during a stride; where it has none, the nearest."""
     inside = rests[(rests >= part.start) & (rests < part.stop)]
     return inside if len(inside) else rests[[int(np.argmin(np.abs(rests - part.start)))]]
-
-
-__all__ = ["StrideBalance", "sole_middle", "stride_balance"]

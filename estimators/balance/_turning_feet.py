@@ -116,6 +116,3 @@ def _turned(pose: ShoePose, turn_rad: Float) -> ShoePose:
         velocity_mps=rotation.rotate(turn, pose.velocity_mps),
         specific_force_mps2=rotation.rotate(turn, pose.specific_force_mps2),
     )
-
-
-__all__ = ["combine_turning_feet"]

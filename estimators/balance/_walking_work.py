@@ -61,6 +61,3 @@ def walking_work(position_m: Float, velocity_mps: Float, mass_kg: float) -> Walk
     parts = gains[0] + gains[1]
     way = float(np.linalg.norm(np.diff(position_m[:, :2], axis=0), axis=1).sum())
     return WalkingWork(gains[0], gains[1], gains[2], (parts - gains[2]) / parts if parts > 0.0 else 0.0, way)
-
-
-__all__ = ["WalkingWork", "walking_work"]

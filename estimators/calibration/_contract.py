@@ -54,6 +54,3 @@ class Calibration:
     unknown_headings: tuple[Placement, ...] = ()
     mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
     contradicted: tuple[Placement, ...] = ()
-
-
-__all__ = ["UNUSABLE_SCORE", "Calibration"]

@@ -140,15 +140,3 @@ def vector(values: Any) -> Vector:
 def matrix(values: Any) -> Matrix:
     """Return three rows of plain floats."""
     return cast(Matrix, tuple(vector(row) for row in values))
-
-
-__all__ = [
-    "DeviceCalibration",
-    "Matrix",
-    "TriadCalibration",
-    "Vector",
-    "correct",
-    "direction_variance",
-    "matrix",
-    "vector",
-]

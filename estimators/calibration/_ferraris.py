@@ -327,6 +327,3 @@ def _judge(residual: float, square_error: float, turns: Sequence[FullTurn]) -> t
     if score < UNUSABLE_SCORE:
         raise CalibrationError(say("six_position.unusable", reasons=reasons))
     return score, tuple(reasons)
-
-
-__all__ = ["FACES", "FerrarisResult", "Rest", "ferraris", "find_positions"]

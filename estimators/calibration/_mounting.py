@@ -57,5 +57,3 @@ N_POSE_TURN_RAD: Final[dict[Placement, float]] = {
 """Turn of the segment frame about z in the N-pose, against the anatomical position."""
 PUT_ON_RAD: Final = math.radians(4.0)
 """How well people put a sensor on a limb by the mounting rule, about the limb."""
-
-__all__ = ["FACING_ORDER", "N_POSE_TURN_RAD", "OUTWARD_HEADING_RAD", "PUT_ON_RAD"]

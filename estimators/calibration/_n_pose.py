@@ -333,6 +333,3 @@ def _judge_agreement(
     # Sensors mounted any way round do not agree with each other; only a common opinion counts.
     if abs(mean) > agreement and away_rad > _DISAGREEMENT_RAD:
         verdict.lower(0.7, say("calibration.faces_away", where=[reference], angle_rad=away_rad))
-
-
-__all__ = ["n_pose"]

@@ -175,14 +175,3 @@ def twin(placement: Placement) -> Placement | None:
         if name != placement and name.rpartition("_")[0] == placement.rpartition("_")[0] != "":
             return name
     return None
-
-
-__all__ = [
-    "MisplacedError",
-    "PlacementFinding",
-    "check_mounting",
-    "check_segments",
-    "check_sides",
-    "off_rule",
-    "twin",
-]

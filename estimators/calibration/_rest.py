@@ -66,6 +66,3 @@ def mean_orientation(
     if spread > SWAY_RAD:
         verdict.lower(SWAY_RAD / spread, say("calibration.swayed", where=[placement]))
     return centre
-
-
-__all__ = ["SWAY_RAD", "Verdict", "mean_orientation", "mostly", "wrapped"]

@@ -184,6 +184,3 @@ def _rms(values: Float) -> Float:
 
 def _named(called: Sequence[str], which: NDArray[np.bool_]) -> list[str]:
     return [name for name, bad in zip(called, which, strict=True) if bad]
-
-
-__all__ = ["UNUSUAL_BIAS_SCORE", "StaticBias", "static_bias", "unusual_bias"]

@@ -47,6 +47,3 @@ def moving_time(frames: Frames, start_s: float | None = None, end_s: float | Non
     known = tracked[1:] & tracked[:-1] & (step_s < 2.0 * _STEP_S)
     moving = (known & (speed_radps > _MOVING_RADPS)).any(axis=1)
     return float(step_s[moving].sum())
-
-
-__all__ = ["moving_time"]

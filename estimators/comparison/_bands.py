@@ -93,6 +93,3 @@ class NamedPhase:
     def __post_init__(self) -> None:
         if not self.name.strip() or not 0.0 <= self.start < self.end <= 1.0:
             raise SetupError(f"{self}: a phase has a name, and its start before its end, both within 0 and 1")
-
-
-__all__ = ["FREE", "Knot", "NamedPhase", "ToleranceCurve"]

@@ -256,6 +256,3 @@ def average_path(
     index = np.arange(len(time_s))
     course = np.interp(index, index[moves], np.unwrap(np.arctan2(way[moves, 1], way[moves, 0])))
     return at(time_s), course
-
-
-__all__ = ["CommonCourse", "average_path", "relate_by_course"]

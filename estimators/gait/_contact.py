@@ -109,6 +109,3 @@ def _edges(mask: Bool, rate_hz: float) -> tuple[Float, Float]:
     """Return starts and ends in s, leaving out those at the ends of the record."""
     change = np.diff(mask.astype(np.int8))
     return (np.flatnonzero(change == 1) + 1) / rate_hz, (np.flatnonzero(change == -1) + 1) / rate_hz
-
-
-__all__ = ["ForceEvents", "force_events"]

@@ -204,6 +204,3 @@ def _minutes(feet: Mapping[Side, Strides], start_s: float, end_s: float) -> Floa
         at = np.stack([strides.toe_off_s, strides.contact_s], axis=1).reshape(-1)
         way += np.interp(edges, at, np.stack([gone[:-1], gone[1:]], axis=1).reshape(-1))
     return np.diff(way) / len(feet)
-
-
-__all__ = ["GUIDED_KINDS", "GuidedKind", "GuidedTest", "guided_test"]

@@ -147,6 +147,3 @@ class LiveStepTracker:
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
         self._feet = np.array(state["steps"], dtype=np.float64)
-
-
-__all__ = ["USUAL_APART_M", "LiveStepTracker", "LiveSteps"]

@@ -268,6 +268,3 @@ def follow(
             row[O_Q], row[O_Q + 1], row[O_Q + 2], row[O_Q + 3] = turned
             if m[COUNT] > 1.0:
                 row[O_TOE_OUT], row[O_LENGTH] = m[TOE_OUT], m[LENGTH]
-
-
-__all__ = ["FOOT", "OUT", "SETTINGS", "WINDOW", "follow"]

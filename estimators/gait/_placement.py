@@ -194,15 +194,3 @@ def _along_course(positions: Float) -> Float:
     angle = np.arctan2(way[1], way[0])
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray((positions - positions[0]) @ np.array([[cosine, -sine], [sine, cosine]]))
-
-
-__all__ = [
-    "END_FACTOR_3",
-    "MIDDLE_FACTOR_3",
-    "RMS_FACTOR_3",
-    "Placement",
-    "Steps",
-    "foot_placement",
-    "steps_between",
-    "steps_in_one_world",
-]

@@ -142,6 +142,3 @@ def relate_feet(
 
 def _at(path: FootTrajectory, time_s: Float) -> Float:
     return np.stack([np.interp(time_s, path.time_s, path.position_m[:, k]) for k in range(3)], axis=1)
-
-
-__all__ = ["RelatedFeet", "RelativeFeet", "relate_feet"]

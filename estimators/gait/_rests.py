@@ -162,6 +162,3 @@ def footholds_of(trajectory: FootTrajectory, rests: list[tuple[int, int]], forwa
         # The end of a stance has seen all of it.
         variance_m2=trajectory.position_sigma_m[last].reshape(-1, 3) ** 2,
     )
-
-
-__all__ = ["MOVED_M", "Footholds", "find_rests", "footholds_of", "pauses", "quietest"]

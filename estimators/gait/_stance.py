@@ -324,21 +324,3 @@ def resting_bias(gyroscope_radps: Float, statistic: Float, rate_hz: float, limit
 def _windowed(values: Float, width: int) -> Float:
     total = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values]), axis=0)
     return np.asarray((total[width:] - total[:-width]) / width)
-
-
-__all__ = [
-    "NOT_CUT_OFF",
-    "UNREST",
-    "Stance",
-    "Windows",
-    "decide",
-    "decision_settings",
-    "find_stance",
-    "gravity_scale",
-    "judge",
-    "noise",
-    "noise_settings",
-    "resting_bias",
-    "runs",
-    "write_statistic",
-]

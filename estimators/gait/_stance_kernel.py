@@ -301,13 +301,3 @@ def noise_densities(
         density = settings[SHOCK_DENSITY] if is_shock else settings[FORCE_DENSITY]
         density = max(density, settings[GAP_FORCE] * filled)
         force_variance[i] = density * density + settings[FORCE_JERK] ** 2 * jerk2
-
-
-__all__ = [
-    "decide",
-    "local_minimum",
-    "moving_highest",
-    "moving_percentile",
-    "noise_densities",
-    "stance_statistic",
-]

@@ -77,6 +77,3 @@ def missing_samples(
     starts = np.array([rest[0] for rest in rests], dtype=np.int64)
     stops = np.array([0] + [rest[1] for rest in rests], dtype=np.int64)
     return np.diff(gone[starts]), np.asarray(count[stops[2:]] > count[stops[:-2]])
-
-
-__all__ = ["StrideFlag", "long_strides", "missing_samples"]

@@ -342,15 +342,3 @@ def _step_time(one: Strides, other: Strides) -> Measure:
         if len(before) and one.contact_s[k] - before[-1] < one.duration_s[k]:
             times.append(one.contact_s[k] - before[-1])
     return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S, _LATE_SHARED_S, name="step_time")
-
-
-__all__ = [
-    "GaitSummary",
-    "measure_steps",
-    "steady",
-    "step_measures",
-    "steps_inside",
-    "summarise",
-    "turning",
-    "turns",
-]

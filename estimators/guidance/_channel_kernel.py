@@ -142,20 +142,3 @@ def rest_speed(model: Model, memory: Memory, work: Work) -> tuple[float, float, 
         speed / of_slopes if of_slopes > 0.0 else 0.0,
         of_slopes,
     )
-
-
-__all__ = [
-    "ALONG",
-    "CROSS",
-    "FIT",
-    "PACE_STEP",
-    "SIZE",
-    "SPEED",
-    "STEEP",
-    "against_phase",
-    "rest_speed",
-    "slopes",
-    "slopes_at_pace",
-    "sums_of_channels",
-    "unwrap",
-]

@@ -211,13 +211,3 @@ class GuidanceChunk:
     def moving(self) -> NDArray[np.bool_]:
         """Ticks of a movement along the template, shape (N,)."""
         return self.rest + self.wrong < 0.5
-
-
-__all__ = [
-    "KINDS",
-    "CountedRepetition",
-    "GuidanceChunk",
-    "GuidanceParameters",
-    "GuidanceTemplate",
-    "RepetitionKind",
-]

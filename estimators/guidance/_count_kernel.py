@@ -168,6 +168,3 @@ def count(
         state.was_late = 1
     if state.p_wrong > _WRONG_BEGINS:
         state.was_wrong = 1
-
-
-__all__ = ["count"]

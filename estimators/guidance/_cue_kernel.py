@@ -301,6 +301,3 @@ def conclude(
         if cue.silent_valid >= of.praise_every and not is_silence:
             cue.silent_valid = 0
             _say(cue, spoken, state.tick, state.attempt, 1.0, -1, np.nan, np.nan)
-
-
-__all__ = ["begin_attempt", "conclude", "watch"]

@@ -123,33 +123,3 @@ _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 ORDERS = bundle(Orders, rows(RULE), rows(STOP), rows(CUE_SETTINGS), _TABLE, _TABLE, _ROW, _ROW)
 SAID = bundle(Said, rows(RULE_STATE), rows(STOP_STATE), rows(CUE_STATE))
 SPOKEN = bundle(Spoken, rows(CUE), rows(STOPPED), types.int64[::1])
-
-__all__ = [
-    "ATTEMPT_COUNT",
-    "AT_EQUAL",
-    "CUE",
-    "CUE_SETTINGS",
-    "CUE_STATE",
-    "DEVIATION",
-    "FAST",
-    "LIMIT",
-    "LOST",
-    "ORDERS",
-    "PAIN",
-    "RANGE",
-    "RULE",
-    "RULE_STATE",
-    "SAID",
-    "SLOW",
-    "SPOKEN",
-    "STOP",
-    "STOPPED",
-    "STOP_STATE",
-    "TIME",
-    "UNSURE",
-    "VALID_COUNT",
-    "WRONG_IN_A_ROW",
-    "Orders",
-    "Said",
-    "Spoken",
-]

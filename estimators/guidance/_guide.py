@@ -302,6 +302,3 @@ def _repetitions(out: Out) -> tuple[CountedRepetition, ...]:
         )
         for one, quotient in zip(out.repetitions[:count], out.quotients[:count], strict=True)
     )
-
-
-__all__ = ["UPDATE_HZ", "VALID_SHARE", "Guide"]

@@ -232,6 +232,3 @@ def run(
         out.follow[k, SIZE] = state.size
         _deviate(k, state, model, memory, work, orders, out)
     return True
-
-
-__all__ = ["run"]

@@ -133,6 +133,3 @@ def _stop(one: StopRule, ready: GuidanceTemplate) -> dict[str, float]:
         "limit": one.limit,
         "hold_s": one.hold_s,
     }
-
-
-__all__ = ["UNKNOWN_M", "UNKNOWN_RAD", "CuePace", "make_orders", "make_said"]

@@ -304,6 +304,3 @@ def update(settings: Record, state: Record, model: Model, memory: Memory, work: 
     if of_values > 0.0:
         _weigh(settings, state, model, memory, work, away)
     _read(settings, state, model, memory, work)
-
-
-__all__ = ["update"]

@@ -246,27 +246,3 @@ def _types() -> tuple[Any, ...]:
 
 MODEL, MEMORY, WORK, OUTPUT = _types()
 """Types of the bundles for the signature of the kernel."""
-
-__all__ = [
-    "ASTRAY",
-    "IGNORED",
-    "MEMORY",
-    "MODEL",
-    "OUT",
-    "OUTPUT",
-    "PARTIAL",
-    "PHASE",
-    "REPETITION",
-    "REST",
-    "SETTINGS",
-    "SIGMA",
-    "SIZE",
-    "STATE",
-    "VALID",
-    "WORK",
-    "WRONG",
-    "Memory",
-    "Model",
-    "Out",
-    "Work",
-]

@@ -166,17 +166,3 @@ class Stopped:
     def is_pause(self) -> bool:
         """Whether the exercise goes on once its cause is over; otherwise it has ended."""
         return self.kind not in STOPS
-
-
-__all__ = [
-    "QUANTITIES",
-    "STOPS",
-    "STOP_KINDS",
-    "Cue",
-    "CueRule",
-    "CueSide",
-    "Quantity",
-    "StopKind",
-    "StopRule",
-    "Stopped",
-]

@@ -117,6 +117,3 @@ def spare_one_joint(settings: Record, state: Record, model: Model, memory: Memor
             if is_spared:
                 stiff += after
     state.p_stiff = stiff / moving if moving > 0.0 else 0.0
-
-
-__all__ = ["spare_one_joint"]

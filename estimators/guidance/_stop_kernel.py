@@ -82,6 +82,3 @@ def guard(
         spoken.counts[1] = row + 1
         cue.stopped = 1
         return
-
-
-__all__ = ["guard"]

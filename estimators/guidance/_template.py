@@ -250,6 +250,3 @@ def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
         if not is_point:
             sigma[:, column] = np.where(known, source.sigma[:, at], np.nan)
     return values, sigma
-
-
-__all__ = ["BINS", "SIZES", "SLOPE_S", "is_place", "prepare_template", "shoulder_of", "signals", "steers"]

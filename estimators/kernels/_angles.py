@@ -98,6 +98,3 @@ def direction(y: float, x: float) -> float:
     angle = 0.5 * math.pi - angle if across > along else angle
     angle = math.pi - angle if x < 0.0 else angle
     return -angle if y < 0.0 else angle
-
-
-__all__ = ["arcsine", "direction", "turn"]

@@ -30,6 +30,3 @@ def borrowing(signature: Any = None, *, inlined: bool = False) -> Callable[[F], 
         Decorator; the plain Python function stays reachable as `.py_func`.
     """
     return compiled(signature, forceinline=inlined, _nrt=False)
-
-
-__all__ = ["borrowing"]

@@ -124,6 +124,3 @@ def inject(x: Record, errors: Float) -> None:
     x.q[0], x.q[1], x.q[2], x.q[3] = multiply(tw, tx, ty, tz, x.q[0], x.q[1], x.q[2], x.q[3])
     for axis in range(3):
         x.bias[axis] -= errors[_BIAS + axis]
-
-
-__all__ = ["BASE", "Matrix", "absorb", "attitude_seen", "inject", "predict", "turn_by_rate"]

@@ -30,6 +30,3 @@ def invert_symmetric(m: Float, out: Float) -> None:
     out[1, 1], out[1, 2] = scale * (a * f - c * c), scale * (b * c - a * e)
     out[2, 2] = scale * (a * d - b * b)
     out[1, 0], out[2, 0], out[2, 1] = out[0, 1], out[0, 2], out[1, 2]
-
-
-__all__ = ["invert_symmetric", "mirror", "skew"]

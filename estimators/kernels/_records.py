@@ -82,6 +82,3 @@ def restored(state: Mapping[str, NDArray[Any]], name: str, like: NDArray[Any]) -
     if values.shape != like.shape:
         raise ShapeError(f"stored {name} has shape {values.shape}; this estimator needs {like.shape}")
     return values
-
-
-__all__ = ["VOID", "Fields", "Record", "bundle", "filled", "record", "restored", "rows", "single", "step"]

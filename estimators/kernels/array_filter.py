@@ -60,6 +60,3 @@ def with_overrides(defaults: P, values: Mapping[str, Any] | None) -> P:
     if unknown := sorted(set(values or {}) - known):
         raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(known))}")
     return replace(defaults, **(values or {}))  # type: ignore[type-var]
-
-
-__all__ = ["ArrayFilter", "with_overrides"]

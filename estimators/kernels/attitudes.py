@@ -38,6 +38,3 @@ def attitude_matrix(q: Float, out: Float) -> None:
             q[0], q[1], q[2], q[3], 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0
         )
         out[0, j], out[1, j], out[2, j] = column
-
-
-__all__ = ["attitude_matrix", "logarithm", "turn_between", "turn_in_world"]

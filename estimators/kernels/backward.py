@@ -68,6 +68,3 @@ def step_back(
             p[i, j] += change[i, j]
     symmetrise(p)
     return True
-
-
-__all__ = ["step_back"]

@@ -57,6 +57,3 @@ def caller(kernel: Callable[..., Any]) -> Callable[..., Any]:
         return found(types.intp, given), generate
 
     return cast(Callable[..., Any], call)
-
-
-__all__ = ["address_of", "caller"]

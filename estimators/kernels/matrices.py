@@ -125,6 +125,3 @@ def joseph(p: Float, h: Float, r: Float, gain: Float, work: Float) -> None:
             for j in range(n):
                 p[i, j] -= total * gain[j, a]
     symmetrise(p)
-
-
-__all__ = ["cholesky", "joseph", "matrix_multiply", "multiply_turned", "solve", "solve_rows", "symmetrise"]

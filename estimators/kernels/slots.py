@@ -43,6 +43,3 @@ def into_row(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
         row[...] = values
         return row
     return values
-
-
-__all__ = ["into_row", "sparse_zeros"]

@@ -240,6 +240,3 @@ def _common_rate(heel: SensorSignals, forefoot: SensorSignals, shank: SensorSign
     if steps.size < 20 or np.ptp(steps) > 0.01 * float(np.median(steps)):
         raise SetupError(say("shoes.uneven"))
     return float(1.0 / np.median(steps))
-
-
-__all__ = ["ShoeKinetics", "ShoeParameters", "analyse_shoe", "floor_under", "segment_rate"]

@@ -186,6 +186,3 @@ def shank_mounting(standing_accelerometer_mps2: Float, bending_gyroscope_radps: 
     forward = np.cross(left, up)
     forward = forward / np.linalg.norm(forward)
     return rotation.from_matrix(np.vstack((forward, np.cross(up, forward), up)))
-
-
-__all__ = ["LONGEST_GAP_SAMPLES", "fill_gaps", "lag_s", "on_one_time_base", "shank_mounting"]

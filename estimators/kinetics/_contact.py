@@ -114,6 +114,3 @@ def _edges(mask: Bool) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return where a mask begins and ends within the record; its first and last sample are no events."""
     change = np.diff(mask.astype(np.int8))
     return np.flatnonzero(change > 0) + 1, np.flatnonzero(change < 0) + 1
-
-
-__all__ = ["ContactParameters", "ShoeContact", "shoe_contact", "stretches"]

@@ -130,6 +130,3 @@ def rms_difference(ours: Float, reference: Float) -> tuple[float, float]:
         raise ShapeError("no sample is finite in both")
     difference = float(np.sqrt(np.mean((one[both] - two[both]) ** 2)))
     return difference, 100.0 * difference / float(np.abs(two[both]).max())
-
-
-__all__ = ["CycleCurves", "ForcePeaks", "force_peaks", "over_cycles", "rms_difference"]

@@ -65,6 +65,3 @@ def reactions(
                     free_moment_nm[k] = m[2] - (x * f[1] - y * f[0])
             else:
                 cop_m[part, k, :] = np.nan
-
-
-__all__ = ["reactions"]

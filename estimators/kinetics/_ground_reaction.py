@@ -160,14 +160,3 @@ def is_inside_sole(
     with np.errstate(invalid="ignore"):
         outside = (forward < geometry.rear_edge_m - margin_m) | (forward > front + margin_m)
         return np.asarray(~(outside | (np.abs(aside) > half_width_m + margin_m)))
-
-
-__all__ = [
-    "LEAST_LOAD_N",
-    "REPORT_SHARE",
-    "GroundReaction",
-    "ShoeLoads",
-    "ground_reaction",
-    "is_inside_sole",
-    "pressure_point",
-]

@@ -129,6 +129,3 @@ def work_j(power_w: Float, rate_hz: float) -> tuple[float, float]:
     """Return work generated and absorbed (negative) over a stretch of power, shape (N,), in joules."""
     finite = np.nan_to_num(power_w)
     return float(np.maximum(finite, 0.0).sum() / rate_hz), float(np.minimum(finite, 0.0).sum() / rate_hz)
-
-
-__all__ = ["FootSegment", "JointLoad", "ankle_load", "environment_power", "hinge_load", "work_j"]

@@ -218,6 +218,3 @@ def shoes_live(
                     v = rotate(fw, fx, fy, fz, along, across, down)
                     corners[s, k, _SOLE + corner, 0] = heel_m[s, k, 0] + hinge[0] + v[0]
                     corners[s, k, _SOLE + corner, 1] = heel_m[s, k, 1] + hinge[1] + v[1]
-
-
-__all__ = ["IMPLAUSIBLE", "LOADS", "MEASURED", "MISSING", "OUT", "SETTINGS", "SHOE", "UNTARED", "shoes_live"]

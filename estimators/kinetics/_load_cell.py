@@ -193,13 +193,3 @@ def tare(
     table = np.array(zeros)
     zero = np.column_stack([np.interp(at, middles, table[:, channel]) for channel in range(6)])
     return np.asarray(load - zero)
-
-
-__all__ = [
-    "LoadCellCalibration",
-    "calibrate_load_cell",
-    "clipped_at",
-    "is_tareable",
-    "tare",
-    "unloaded",
-]

@@ -100,6 +100,3 @@ def _handed_over(before: float, after: float, count: int, begins: bool, ends: bo
         u = np.clip((u - 1.0) * 4.0 + 1.0, 0.0, 1.0) if begins else np.clip(u * 4.0, 0.0, 1.0)
     step = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
     return np.asarray(before + (after - before) * step)
-
-
-__all__ = ["PredictedReaction", "predicted_reaction"]

@@ -286,6 +286,3 @@ def _with_rolling(
     position[last:] = edge - rear[last:]
     velocity[last:] = rolling[last:]
     return velocity, position
-
-
-__all__ = ["PositionMode", "ShoePose", "shoe_pose"]

@@ -74,6 +74,3 @@ def leg_kernel(
                 angle_rad[k, first + 3 * j + i] = found[i]
                 angle_sigma_rad[k, first + 3 * j + i] = one_sigma[i]
                 angle_flags[k, first + 3 * j + i] = flag | _SINGULAR if is_singular and i != 1 else flag
-
-
-__all__ = ["LEG_TABLE", "LegTable", "leg_kernel"]

@@ -98,6 +98,3 @@ class LegModel:
             angle_sigma_rad,
             angle_flags,
         )
-
-
-__all__ = ["LegModel"]

@@ -148,6 +148,3 @@ def _moving_mean(values: Float, width: int) -> Float:
     mean = np.convolve(np.where(wrong, 0.0, values), kernel, mode="same")
     near = np.convolve(wrong, np.ones(width), mode="same") > 0.5
     return np.asarray(np.where(near, np.inf, mean))
-
-
-__all__ = ["Stop", "find_stops"]

@@ -147,6 +147,3 @@ def dipole_covariance(
     turn = np.eye(6)
     turn[3:, 3:] = rotation.to_matrix(q_source_sensor).T
     return np.asarray(turn @ covariance @ turn.T)
-
-
-__all__ = ["ClosedForm", "closed_form", "closed_form_published", "dipole_covariance", "normalise_pulses"]

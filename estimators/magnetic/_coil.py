@@ -272,14 +272,3 @@ def biot_savart(coil: Coil, current_a: float, position_m: ArrayLike, segments: i
     r = np.linalg.norm(offset, axis=-1, keepdims=True)
     strength = MU0_TM_PER_A * coil.turns * current_a / (4.0 * math.pi)
     return np.asarray(strength * np.sum(np.cross(wire, offset) / r**3, axis=-2))
-
-
-__all__ = [
-    "Coil",
-    "FieldModel",
-    "Source",
-    "biot_savart",
-    "dipole_field",
-    "dipole_gradient",
-    "perpendicular_source",
-]

@@ -199,15 +199,3 @@ def changed(source: Source, number: int, x: Float) -> Source:
         axis=tuple(turned.tolist()),
     )
     return replace(source, coils=(*source.coils[:number], other, *source.coils[number + 1 :]))
-
-
-__all__ = [
-    "FAR_M",
-    "LEAST_GAIN_SIGMA",
-    "NEAR_M",
-    "CoilCalibration",
-    "calibrate_coils",
-    "calibrate_moments",
-    "changed",
-    "stated",
-]

@@ -64,6 +64,3 @@ def read_coil_state(state: ArrayLike) -> tuple[NDArray[np.int64], Float, NDArray
     number = np.floor(size)
     current = np.copysign((size - number) * CURRENT_SPAN_A, values)
     return number.astype(np.int64), np.where(number > 0.0, current, 0.0), wrong
-
-
-__all__ = ["CURRENT_SPAN_A", "HIGHEST_COIL", "coil_state", "read_coil_state"]

@@ -58,6 +58,3 @@ class IronSphere:
         outside = offset * np.maximum(1.0, self.radius_m / np.maximum(distance, 1e-9))
         moment = self.coupling * 4.0 * math.pi * self.radius_m**3 * field / MU0_TM_PER_A
         return dipole_field(moment, outside)
-
-
-__all__ = ["IronSphere"]

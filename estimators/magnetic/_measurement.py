@@ -277,17 +277,3 @@ def _joseph(p: Float, h: Float, r: Float) -> tuple[Float, Float]:
 
 def _turned(matrix: Float) -> Float:
     return np.swapaxes(matrix, -1, -2)
-
-
-__all__ = [
-    "MAGNETOMETER_SIGMA_T",
-    "Prediction",
-    "Updated",
-    "choose_coil",
-    "choose_current",
-    "noise_covariance",
-    "posterior_covariance",
-    "predict",
-    "skew",
-    "update",
-]

@@ -209,6 +209,3 @@ def _orientation(source: Source, place: Float, current: Float, pulses: Float) ->
     u, _, vt = np.linalg.svd((field * weight[:, None]).T @ pulses)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     return rotation.from_matrix(u @ flip @ vt)
-
-
-__all__ = ["calibrate_at_places"]

@@ -213,6 +213,3 @@ def bursts(pulses: Sequence[Pulse], coils: int = 3, longest: int = 60) -> list[l
             found.append(sorted(group, key=lambda p: p.coil))
             group = []
     return found
-
-
-__all__ = ["Pulse", "bursts", "extract_pulses", "find_pulses", "integrate_gyroscope"]

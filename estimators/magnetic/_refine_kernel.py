@@ -159,6 +159,3 @@ def refine(
         for j in range(6):
             information[i, j] = matrix[i, j]
     return cost
-
-
-__all__ = ["normal_equations", "refine"]

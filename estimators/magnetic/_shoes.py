@@ -31,6 +31,3 @@ def shoe_source() -> Source:
         tuple(Coil(50.0, 0.075, tuple((0.06 * axis).tolist()), tuple(axis.tolist())) for axis in np.eye(3)),
         current_limit_a=1.5,
     )
-
-
-__all__ = ["SHOE_PARAMETERS", "shoe_source"]

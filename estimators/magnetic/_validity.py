@@ -104,15 +104,3 @@ def _positive(**values: float) -> None:
     for name, value in values.items():
         if not value > 0.0:
             raise SetupError(f"{name} must be above zero, not {value}")
-
-
-__all__ = [
-    "PACEMAKER_LIMIT_T",
-    "axial_dipole_error",
-    "axial_reach_m",
-    "curvature_per_m2",
-    "keep_away_distance_m",
-    "linearisation_error_percent",
-    "range_m",
-    "required_moment_am2",
-]

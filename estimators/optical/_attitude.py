@@ -44,6 +44,3 @@ def level_attitude(
     # Both ways: a filter alone is tilted for seconds when it begins amid movement.
     found = orientation.smooth("telemotion_smoother", chunk).orientation
     return found.q_earth_sensor[0], found.gyroscope_bias_radps[0]
-
-
-__all__ = ["integrate", "level_attitude", "strapdown"]

@@ -63,6 +63,3 @@ def _missed(values: Float, measured: NDArray[np.bool_], half: int, part: slice) 
         return None
     off = (x[half:-half] - 0.5 * (x[: -2 * half] + x[2 * half :]))[whole]
     return float(np.sqrt(np.mean(off**2)))
-
-
-__all__ = ["bridging_noise"]

@@ -137,6 +137,3 @@ class OpticalResult:
     innovation_m: Float
     nis: Float
     provenance: NDArray[np.uint8]
-
-
-__all__ = ["OpticalChunk", "OpticalParameters", "OpticalResult", "OpticalStart", "Provenance"]

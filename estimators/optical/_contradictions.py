@@ -212,6 +212,3 @@ def check_result(
     rms = float(np.sqrt(np.mean(size**2))) if len(size) else 0.0
     if rms > _MOST_RESIDUAL_M:
         raise ContradictionError(say("markers.residual", residual_m=rms))
-
-
-__all__ = ["TURNS", "check_mapping", "check_result", "explain"]

@@ -247,6 +247,3 @@ def filter_and_smooth(
             end == count,
         )
     return filtered, to_result(states, out)
-
-
-__all__ = ["OpticalInertialFilter", "filter_and_smooth", "smooth_optical"]

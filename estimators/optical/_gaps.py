@@ -71,6 +71,3 @@ def fill_by_spline(marker_m: ArrayLike, time_step_s: float) -> Float:
             + (6 * (p1 - p0) - 3 * (v0 + v1) - 0.5 * (a0 - a1)) * s**5
         )
     return filled
-
-
-__all__ = ["WITHHELD_M", "Gap", "fill_by_spline", "gap_report"]

@@ -38,6 +38,3 @@ def doubt_heading(phi: Float, p: Float, settings: Float) -> None:
     for i in range(2):
         phi[_EV + i, _ET + 2] *= trust
         phi[_EP + i, _ET + 2] *= trust
-
-
-__all__ = ["doubt_heading"]

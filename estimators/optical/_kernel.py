@@ -333,6 +333,3 @@ def backward(
             for j in range(n):
                 later_covariance[i, j] = p[i, j]
         describe(samples[k], states[k], p, settings, out[k])
-
-
-__all__ = ["backward", "difference", "inject", "predict_covariance", "predict_state", "run", "update_marker"]

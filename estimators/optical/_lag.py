@@ -138,6 +138,3 @@ def smooth_with_lag(
     if start is not None:
         live.begin(start)
     return _joined([live.update(chunk), live.flush()])
-
-
-__all__ = ["FixedLagSmoother", "smooth_with_lag"]

@@ -312,6 +312,3 @@ def _joined(stretches: list[Stretch], results: list[OpticalResult], first: int, 
             whole[begin : begin + len(part)] = part
         values[field.name] = whole
     return OpticalResult(**values)
-
-
-__all__ = ["OpticalFusion", "fuse_markers"]

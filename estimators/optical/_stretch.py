@@ -252,6 +252,3 @@ def check_gaps(stretch: Stretch) -> list[GapCheck]:
             )
         )
     return found
-
-
-__all__ = ["CHECKED_GAPS_S", "GapCheck", "Stretch", "check_gaps", "onto_ticks", "prepare"]

@@ -141,5 +141,3 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "hard_iron_t": (3,),
     "hard_iron_sigma_t": (3,),
 }
-
-__all__ = ["DeviceConstants"]

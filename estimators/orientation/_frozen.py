@@ -176,6 +176,3 @@ def frozen(
     if noisy and repeats > 0.0:
         lasts = max(lasts, repeats)
     return lasts, field_lasts
-
-
-__all__ = ["MEMORY", "forget", "frozen"]

@@ -69,6 +69,3 @@ def estimate_lag(reference: Float, delayed: Float, time_step_s: float, longest_s
     left, top, right = scores[peak - 1 : peak + 2]
     bend = left - 2.0 * top + right
     return (peak - reach + (0.5 * (left - right) / bend if bend else 0.0)) * time_step_s
-
-
-__all__ = ["estimate_lag", "to_true_north"]

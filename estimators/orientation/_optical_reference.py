@@ -75,6 +75,3 @@ def stick_angle_errors(marker_distance_m: Float, first_stick_m: float, second_st
     squares = first_stick_m**2 + second_stick_m**2 - np.square(marker_distance_m)
     cosine = squares / (2.0 * first_stick_m * second_stick_m)
     return np.asarray(np.pi / 2.0 - np.arccos(np.clip(cosine, -1.0, 1.0)))
-
-
-__all__ = ["LEAST_ANGLE_RAD", "align_marker_frame", "heading_offset", "stick_angle_errors"]

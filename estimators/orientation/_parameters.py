@@ -89,6 +89,3 @@ def _check_bounds(name: str, value: float, meaning: Meaning) -> None:
         raise SetupError(f"{name} must be above {meaning.above or 'zero'}")
     if meaning.below is not None and value >= meaning.below:
         raise SetupError(f"{name} must be below {meaning.below:g}")
-
-
-__all__ = ["Meaning", "changed", "meaning_of", "parameter", "read_parameters"]

@@ -115,6 +115,3 @@ class RecordEstimator(OrientationEstimator):
     def covariance(self) -> Float:
         """Covariance of the filter's states now, shape (S, n, n), in the units and order of the kernel."""
         return self._covariance.copy()
-
-
-__all__ = ["RecordEstimator"]

@@ -68,6 +68,3 @@ def orientation_errors(
     return OrientationErrors(
         root_mean_square(total), root_mean_square(heading), root_mean_square(inclination), int(scored.sum())
     )
-
-
-__all__ = ["OrientationErrors", "orientation_errors"]

@@ -175,11 +175,3 @@ class SampleScreen:
             magnetometer_t=None if field is None else np.where(wild[..., None] != 0, np.nan, given),
             quality=np.where(lost, quality | np.uint8(_MISSING), quality).astype(np.uint8),
         )
-
-
-__all__ = [
-    "LARGEST_FIELD",
-    "LARGEST_FORCE_MPS2",
-    "LARGEST_RATE_RADPS",
-    "SampleScreen",
-]

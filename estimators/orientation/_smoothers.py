@@ -181,13 +181,3 @@ def smooth(
     if name not in _REGISTRY:
         raise SetupError(f"no smoother {name!r}; known are {', '.join(_REGISTRY)}")
     return _REGISTRY[name].smooth(chunk, parameters, constants)
-
-
-__all__ = [
-    "SmoothedChunk",
-    "Smoother",
-    "TelemotionSmoother",
-    "smooth",
-    "smoothers",
-    "with_orientation",
-]

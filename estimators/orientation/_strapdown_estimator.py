@@ -153,6 +153,3 @@ class StrapdownEstimator(RecordEstimator):
     @abstractmethod
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:
         """Name the kernel's details after the acceleration."""
-
-
-__all__ = ["REFERENCE_RATE_HZ", "StrapdownEstimator", "StrapdownParameters", "StrapdownResult"]

@@ -109,6 +109,3 @@ def copied(state: Mapping[str, NDArray[Any]], name: str, like: NDArray[Any]) -> 
     if values.shape != like.shape:
         raise ShapeError(f"stored {name} has shape {values.shape}; this estimator needs {like.shape}")
     return values
-
-
-__all__ = ["ChunkGuard", "bias_array", "copied", "usable_samples"]

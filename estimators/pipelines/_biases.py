@@ -30,6 +30,3 @@ def bias_along_gravity(accelerometer_mps2: Float) -> Float:
             if abs(norm - GRAVITY_MPS2) < _LARGEST_BIAS_MPS2:
                 bias[s] = (norm - GRAVITY_MPS2) * mean / norm
     return bias
-
-
-__all__ = ["bias_along_gravity", "bias_sigma"]

@@ -46,6 +46,3 @@ class NetworkPipeline(Pipeline):
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
         self._network.restore(state)
-
-
-__all__ = ["NetworkPipeline"]

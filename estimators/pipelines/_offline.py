@@ -79,6 +79,3 @@ def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup) -> ImuChunk
         bias = np.array(setup.calibration.accelerometer_bias_mps2[name])
         chunk = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 - bias)
     return chunk
-
-
-__all__ = ["is_offline", "smooth_network", "smoothed_chunk"]

@@ -57,6 +57,3 @@ class WornPoseFilter(RelativePoseFilter):
         counters[at.PHASE] = at.TRACK
         counters[at.RESTARTED] += 1
         counters[at.WIDE_AFTER] = counters[at.TICK] + round(_PULSES_S / settings[at.TIME_STEP])
-
-
-__all__ = ["WornPoseFilter"]

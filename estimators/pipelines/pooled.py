@@ -274,6 +274,3 @@ class StepPool:
 def _values(beside: Float) -> Float:
     """Return a channel of (S, K, width) as its field of a chunk."""
     return beside.copy() if beside.shape[2] > 1 else beside[:, :, 0].copy()
-
-
-__all__ = ["COLUMNS", "STRETCH", "Columns", "Pool", "StepPool", "chunk_of", "columns"]

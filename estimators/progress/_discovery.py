@@ -39,6 +39,3 @@ def discoveries(probability: Float, main: int | None = 0, level: float = _LEVEL)
         if holds.any():
             found[order[: np.flatnonzero(holds)[-1] + 1]] = True
     return found
-
-
-__all__ = ["discoveries"]

@@ -161,6 +161,3 @@ def _of_clock(weeks: Float, usual_days: float, rises: list[Float], extra: Float)
         variance(design[-1], with_next, own[:, -1, -1] + curved[:, -1, -1]),
         log_weight,
     )
-
-
-__all__ = ["BENDS", "CORRELATIONS", "GAP_DAYS", "Models", "models_of"]

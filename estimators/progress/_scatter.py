@@ -161,14 +161,3 @@ def detectable_change(scatter: float) -> float:
     Weir 2005, J Strength Cond Res 19:231.
     """
     return 1.96 * float(np.sqrt(2.0)) * scatter
-
-
-__all__ = [
-    "FEWEST_SESSIONS",
-    "NO_PRIOR",
-    "Scatter",
-    "detectable_change",
-    "learn_scatter",
-    "scatter_of",
-    "second_differences",
-]

@@ -203,6 +203,3 @@ class _Mixture:
         widths = np.sqrt(self.scale2 * self.models.following_variance[:, None])
         below = np.sum(self.weight * scipy.special.stdtr(self.freedom, (value - middles) / widths), axis=0)
         return np.sum(self.weight * middles, axis=0), 2.0 * np.minimum(below, 1.0 - below)
-
-
-__all__ = ["FEWEST_DAYS", "LASTING", "UNUSUAL", "WINDOW_DAYS", "Trends", "trends"]

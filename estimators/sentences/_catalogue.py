@@ -110,6 +110,3 @@ def _plain(value: Any) -> Any:
         return [_plain(one) for one in value]
     plain = value.item() if hasattr(value, "item") else value
     return json.dumps(plain) if isinstance(plain, float) and not math.isfinite(plain) else plain
-
-
-__all__ = ["Catalogue", "Entry", "places"]

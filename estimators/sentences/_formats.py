@@ -124,6 +124,3 @@ def joined(words: Sequence[str], last: str) -> str:
         Between the last two.
     """
     return last.join([*([", ".join(words[:-1])] if words[1:] else []), *words[-1:]])
-
-
-__all__ = ["LISTS", "UNITS", "Unit", "is_of_codes", "joined", "parts", "written"]

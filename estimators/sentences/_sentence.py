@@ -53,6 +53,3 @@ def for_json(value: Any) -> Any:
     if isinstance(value, Sentence):
         return value.to_dict()
     return [for_json(one) for one in value] if isinstance(value, list | tuple) else value
-
-
-__all__ = ["Sentence", "for_json"]

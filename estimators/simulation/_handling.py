@@ -127,6 +127,3 @@ def _all_ways(rate_hz: float, seed: int) -> Float:
     return rotation.multiply(
         rotation.about_z(azimuth), rotation.multiply(rotation.exp(upward), rotation.about_z(roll))
     )
-
-
-__all__ = ["HandlingName", "simulate_handling"]

@@ -79,6 +79,3 @@ def _bulge(driver: Scalar, neutral_rad: float, size: float) -> Scalar:
         size * cosine * driver.rate,
         size * (cosine * driver.acceleration - sine * driver.rate**2),
     )
-
-
-__all__ = ["soft_tissue_turn"]

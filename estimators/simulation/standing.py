@@ -264,6 +264,3 @@ def _smooth_step(share: Float) -> Float:
     """Return minimum jerk from 0 to 1."""
     s = np.clip(share, 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
-
-
-__all__ = ["BEFORE_S", "Lean", "Stance", "StandingPerson", "expected_measures", "simulate_standing"]

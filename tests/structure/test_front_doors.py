@@ -33,6 +33,16 @@ def test_a_front_door_opens_for_somebody_outside(package: str) -> None:
     assert exported - named == set(), "import it from its module, or from `published`, and drop it here"
 
 
+def test_an_ordinary_module_lists_no_names() -> None:
+    """Only a module that hands on what others define has a door of its own; elsewhere a leading `_` says it."""
+    needless = [
+        module
+        for module, path in USERS.items()
+        if path.name != "__init__.py" and listed(path) and listed(path) <= defined(path)
+    ]
+    assert not needless, "delete `__all__`"
+
+
 def test_the_walk_sees_users_and_signatures() -> None:
     assert "JointLoad" in signature("estimators.kinetics", "ShoeKinetics")
     assert ("estimators.arm", "ArmModel") in {one for user in USERS for one in taken(user)}
@@ -53,6 +63,18 @@ def listed(path: Path) -> set[str]:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             return set(ast.literal_eval(node.value))
     return set()
+
+
+def defined(path: Path) -> set[str]:
+    """Names that a module defines itself, at its top."""
+    found: set[str] = set()
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {word for target in targets for word in re.findall(r"\w+", ast.unparse(target))}
+    return found
 
 
 @cache

@@ -101,5 +101,3 @@ JOINT_HEADINGS = Protocol(
     measure=_measure,
     plots=_plots,
 )
-
-__all__ = ["JOINT_HEADINGS", "relative_heading_error"]

@@ -105,5 +105,3 @@ ARM_RECORDING = Protocol(
     measure=_reaches,
     needs_data="qmt_mat",
 )
-
-__all__ = ["ARM_RECORDING", "PLANE", "REACHES", "Reach", "beyond_deg", "estimate_arms"]

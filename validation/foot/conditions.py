@@ -108,5 +108,3 @@ FOOT_CONDITIONS = Protocol(
     ),
     measure=_conditions,
 )
-
-__all__ = ["FOOT_CONDITIONS", "effects"]

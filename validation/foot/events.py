@@ -129,5 +129,3 @@ FOOT_EVENTS = Protocol(
     ),
     measure=_events,
 )
-
-__all__ = ["FOOT_EVENTS"]

@@ -178,5 +178,3 @@ FOOT_PLACEMENT = Protocol(
     ),
     measure=_placement,
 )
-
-__all__ = ["FOOT_PLACEMENT", "Feet", "subject"]

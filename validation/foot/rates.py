@@ -130,5 +130,3 @@ FOOT_RATES_AND_LINKS = Protocol(
     measure=_rates_and_links,
     needs_data="pyshoe",
 )
-
-__all__ = ["FOOT_RATES_AND_LINKS", "averaged", "lossy", "picked"]

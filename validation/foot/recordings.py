@@ -238,14 +238,3 @@ FOOT_PATIENT = Protocol(
     measure=_patient,
     needs_data="gaitmap patient",
 )
-
-__all__ = [
-    "FOOT_LOOPS",
-    "FOOT_PATIENT",
-    "FOOT_STAIRS",
-    "FOOT_STRIDES",
-    "FOOT_WALKS",
-    "live_position",
-    "parameters_of",
-    "rigid_rmse",
-]

@@ -245,15 +245,3 @@ def matched(one: GuidedSession, chunk: GuidanceChunk) -> list[str]:
         else:
             kinds.append(free.pop(best).kind)
     return [*kinds, *(f"extra {a.kind}" for a in free)]
-
-
-__all__ = [
-    "FAULTS",
-    "STEP_S",
-    "STYLES",
-    "VALID_SHARE",
-    "GuidedSession",
-    "matched",
-    "session",
-    "streamed",
-]

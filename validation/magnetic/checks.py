@@ -241,5 +241,3 @@ MAGNETIC_FUSION_CHECKS = Protocol(
     figures=_figures(),
     measure=_checks,
 )
-
-__all__ = ["MAGNETIC_FUSION_CHECKS", "passing_iron", "world_attitude"]

@@ -263,5 +263,3 @@ MAGNETIC_MODEL_CHECKS = Protocol(
     ),
     measure=_checks,
 )
-
-__all__ = ["MAGNETIC_MODEL_CHECKS"]

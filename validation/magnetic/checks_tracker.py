@@ -162,5 +162,3 @@ MAGNETIC_TRACKER_CHECKS = Protocol(
     ),
     measure=_checks,
 )
-
-__all__ = ["MAGNETIC_TRACKER_CHECKS"]

@@ -58,6 +58,3 @@ def map_plots(data: Data) -> tuple[Plot, ...]:
         )
     )
     return tuple(plots)
-
-
-__all__ = ["map_plots"]

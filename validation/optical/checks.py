@@ -293,4 +293,3 @@ OPTICAL_NOISE_CHECKS = Protocol(
     figures=_figures(),
     measure=_checks,
 )
-__all__ = ["FORCE_SIGMA_MPS2", "OPTICAL_NOISE_CHECKS", "RATE_SIGMA_RADPS", "noisier"]

@@ -241,5 +241,3 @@ OPTICAL_GAIT = Protocol(
     ),
     measure=_gait,
 )
-
-__all__ = ["OPTICAL_GAIT", "OPTICAL_GAPS", "OPTICAL_RATES"]

@@ -158,6 +158,3 @@ OPTICAL_INNOVATION_CHECKS = Protocol(
     ),
     measure=_innovation_checks,
 )
-
-
-__all__ = ["OPTICAL_INNOVATION_CHECKS"]

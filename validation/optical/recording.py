@@ -217,5 +217,3 @@ OPTICAL_CONSISTENCY = Protocol(
     ),
     measure=_consistency,
 )
-
-__all__ = ["OPTICAL_CONSISTENCY", "OPTICAL_RECORDING"]

@@ -124,5 +124,3 @@ OPTICAL_REFUSAL = Protocol(
     ),
     measure=_measure,
 )
-
-__all__ = ["OPTICAL_REFUSAL", "cameras"]

@@ -100,15 +100,3 @@ def measured(
     seen = truth + rng.normal(0.0, marker, truth.shape)
     chunk = OpticalChunk(0, STEP_S, gyroscope, accelerometer, seen)
     return Scene(chunk, truth, acceleration, rotation.from_scipy(r), t)
-
-
-__all__ = [
-    "MARKER_SIGMA_M",
-    "PARAMETERS",
-    "STEP_S",
-    "STILL_S",
-    "Scene",
-    "free_motion",
-    "measured",
-    "walking_foot",
-]

@@ -119,5 +119,3 @@ BROAD = Protocol(
     measure=_broad,
     needs_data="broad",
 )
-
-__all__ = ["BROAD", "DEGREES_PER_RADIAN", "estimate", "package", "score", "sensor_name"]

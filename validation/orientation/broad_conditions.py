@@ -162,13 +162,3 @@ BROAD_CONDITIONS = Protocol(
     measure=_conditions,
     needs_data="broad",
 )
-
-__all__ = [
-    "BROAD_CONDITIONS",
-    "chosen_for_loss",
-    "share_inside",
-    "share_of_result_inside",
-    "started_at",
-    "started_before_movement",
-    "with_bursts_lost",
-]

@@ -133,5 +133,3 @@ BROAD_CUTS = Protocol(
     measure=_cuts,
     needs_data="broad",
 )
-
-__all__ = ["BROAD_CUTS", "CutRun", "cut_moments", "cut_runs", "scored"]

@@ -145,5 +145,3 @@ BROAD_OFFLINE = Protocol(
     measure=_measure,
     needs_data="broad",
 )
-
-__all__ = ["BROAD_OFFLINE", "heading_drift", "package_offline", "share_inside", "without_magnetometer"]

@@ -186,5 +186,3 @@ COVARIANCE = Protocol(
     figures=_figures(),
     measure=_covariance,
 )
-
-__all__ = ["COVARIANCE"]

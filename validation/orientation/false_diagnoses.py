@@ -79,5 +79,3 @@ FALSE_DIAGNOSES = Protocol(
     ),
     measure=_measured,
 )
-
-__all__ = ["FALSE_DIAGNOSES", "accusations"]

@@ -112,5 +112,3 @@ HONESTY = Protocol(
     figures=_figures(),
     measure=_measured,
 )
-
-__all__ = ["HONESTY"]

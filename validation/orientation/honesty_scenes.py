@@ -161,6 +161,3 @@ def _frozen(chunk: ImuChunk, title: str, seeds: Sequence[int]) -> ImuChunk:
                 count = ticks.stop - ticks.start
                 values[s, ticks] = values[s, ticks.start - length + np.arange(count) % length]
     return replace(chunk, **triads)
-
-
-__all__ = ["FROZEN_S", "SCENES", "STEP_S", "frozen_ticks", "scene"]

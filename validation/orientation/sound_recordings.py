@@ -293,6 +293,3 @@ def _module(generator: np.random.Generator, rate_hz: float, lasts_s: float) -> S
     quality = np.zeros(gyroscope.shape[:2], np.uint8)
     chunk = ImuChunk(0, made.time_step_s, gyroscope, accelerometer, magnetometer, quality)
     return SoundRecording(chunk, ("pelvis", "upper_arm_left"), "north", "module", is_field_clean=True)
-
-
-__all__ = ["MOVES", "SoundRecording", "device_errors", "sound_recording"]

@@ -220,5 +220,3 @@ WRONG_INPUTS = Protocol(
     measure=_measured,
     needs_data="sensor readings",
 )
-
-__all__ = ["WRONG_INPUTS"]

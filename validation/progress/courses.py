@@ -156,6 +156,3 @@ def learnt(scale: float, rng: np.random.Generator) -> Scatter:
     prior = learn_scatter(*(np.array(column) for column in zip(*found, strict=True)))
     assert prior != NO_PRIOR
     return prior
-
-
-__all__ = ["NOTHING_CHANGES", "PEOPLE", "ROWS", "SESSIONS", "Course", "Row", "course", "learnt", "scale_of"]

@@ -172,5 +172,3 @@ PROGRESS_INTERVAL = Protocol(
     ),
     measure=_interval,
 )
-
-__all__ = ["PROGRESS_FALSE_ALARMS", "PROGRESS_INTERVAL", "PROGRESS_POWER"]

@@ -131,5 +131,3 @@ RELATIVE_POSE_CHECKS = Protocol(
     ),
     measure=_checks,
 )
-
-__all__ = ["RELATIVE_POSE_CHECKS"]

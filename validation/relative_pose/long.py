@@ -69,6 +69,3 @@ def long_session(hours: float, seed: int) -> tuple[list[Float], list[float]]:
         errors.append(position)
         consistency.append(mean_nees(np.concatenate([position, attitude], axis=1), result.covariance[on]))
     return errors, consistency
-
-
-__all__ = ["long_session"]

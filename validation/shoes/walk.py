@@ -64,6 +64,3 @@ def axis_errors_mm(position_m: Float, truth: GaitTruth) -> Float:
     error = position_m - truth.com.position
     error = error - np.append(error[:, :2].mean(axis=0), 0.0)
     return np.asarray(1e3 * np.sqrt(np.mean(error**2, axis=0)))
-
-
-__all__ = ["AnalysedWalk", "analysed_walk", "axis_errors_mm", "com_scenario"]

@@ -85,6 +85,3 @@ def forget_browsers(session: Session, account_id: str, but: str | None = None) -
     session.execute(
         delete(KnownBrowser).where(KnownBrowser.account_id == account_id, KnownBrowser.token_hash != excepted)
     )
-
-
-__all__ = ["COOKIE", "LIFE", "forget_browsers", "known_browser", "remember_browser"]

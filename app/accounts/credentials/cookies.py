@@ -54,6 +54,3 @@ def set_cookie(response: Response, settings: Settings, name: str, value: str, li
         httponly=True,
         samesite="lax",
     )
-
-
-__all__ = ["cookie_name", "set_cookie", "shown_cookie"]

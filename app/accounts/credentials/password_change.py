@@ -40,6 +40,3 @@ def replace_password(
     account.must_change_password = must_change
     forget_browsers(session, account.id, but=browser)
     return end_all_sign_ins(session, account.id, but=sign_in)
-
-
-__all__ = ["replace_password"]

@@ -100,6 +100,3 @@ def _is_of(letters: str, own: str) -> bool:
     parts = [plain, plain.partition("@")[0], *plain.replace("@", " ").replace(".", " ").split()]
     names = {"".join(letter for letter in part if letter.isalnum()) for part in parts}
     return any(len(name) >= 4 and name in letters and len(letters) - len(name) < 5 for name in names)
-
-
-__all__ = ["LEAST", "check_password"]

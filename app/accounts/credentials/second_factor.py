@@ -167,6 +167,3 @@ def note_read(session: Session, subject: Subject) -> None:
         An account.
     """
     session.get_one(Account, subject.id).totp_removed_at = None
-
-
-__all__ = ["begin", "confirm", "note_read", "remove", "second_factor", "use"]

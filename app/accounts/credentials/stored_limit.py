@@ -105,6 +105,3 @@ class StoredCounter:
 
     def _hash(self, key: str) -> str:
         return hmac.digest(self._key, key.encode(), "sha256").hex()
-
-
-__all__ = ["StoredCounter"]

@@ -63,6 +63,3 @@ def uri(secret: str, email: str) -> str:
     """
     label = quote(f"Telemotion:{email}")
     return f"otpauth://totp/{label}?secret={secret}&issuer=Telemotion&digits={DIGITS}&period={STEP_S}"
-
-
-__all__ = ["code_at", "new_secret", "step_of", "uri"]

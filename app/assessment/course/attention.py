@@ -42,6 +42,3 @@ def too_few(
     if valid >= LEAST_VALID * min(wanted):
         return ""
     return say("caseload.few_repetitions", valid=valid, count=min(wanted))
-
-
-__all__ = ["LEAST_VALID", "PAIN", "too_few"]

@@ -195,6 +195,3 @@ def _standard_error(value: _Reading) -> float:
 
 def _mirrored(name: str) -> str:
     return _SIDE.sub(lambda found: "right" if found.group() == "left" else "left", name)
-
-
-__all__ = ["bands_of", "beside_other_side", "other_side_values", "walked_other_side"]

@@ -119,6 +119,3 @@ def _error(found: Sequence[SessionValue]) -> float:
     if not known:
         return math.nan
     return math.sqrt(math.fsum(one**2 for one in known) / len(known) / len(found))
-
-
-__all__ = ["Break", "BreakKind", "Days", "broken", "days_of"]

@@ -26,6 +26,3 @@ def create_course_note(
 ) -> CourseNoteOut:
     """Store the therapist's words for the report; earlier ones stay stored."""
     return report.write_note(session, subject, patient_id, body)
-
-
-__all__ = ["router"]

@@ -216,6 +216,3 @@ def _one(times: bytes, values: bytes, errors: bytes, segments: bytes, prior: Sca
         np.frombuffer(segments),
         [prior],
     )
-
-
-__all__ = ["RAISED", "Decline", "decline_of", "judged"]

@@ -61,6 +61,3 @@ def norm_of(measure: str, birth_date: date | None, on: date) -> Norm | None:
         return None
     age = on.year - birth_date.year - ((on.month, on.day) < (birth_date.month, birth_date.day))
     return next((one for one in NORMS if one.measure == measure and one.ages[0] <= age <= one.ages[1]), None)
-
-
-__all__ = ["NORMS", "Norm", "norm_of"]

@@ -64,6 +64,3 @@ def published_of(measure: str, movement: str) -> Published | None:
         ),
         None,
     )
-
-
-__all__ = ["PUBLISHED", "Published", "published_of"]

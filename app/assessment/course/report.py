@@ -166,6 +166,3 @@ def _exercise(session: Session, clinic_id: str, exercise_id: str) -> Exercise:
     if exercise is None or exercise.clinic_id != clinic_id:
         raise NotFound(say("exercise.not_found"))
     return exercise
-
-
-__all__ = ["course", "notes_of", "write_note"]

@@ -137,6 +137,3 @@ def learnt_of(values: Sequence[SessionValue], zone: tzinfo) -> dict[str, Scatter
         measure: learn_scatter(*(np.array(column) for column in zip(*pairs, strict=True)))
         for measure, pairs in found.items()
     }
-
-
-__all__ = ["MOST_PATIENTS", "Scatters", "learnt_of", "scatters_of"]

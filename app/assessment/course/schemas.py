@@ -48,6 +48,3 @@ class CourseOut(Spoken):
     note: CourseNoteOut | None
     service_version: str
     """Of the software that made the report."""
-
-
-__all__ = ["CourseNoteIn", "CourseNoteOut", "CourseOut"]

@@ -44,6 +44,3 @@ def _together(day: list[SessionValue]) -> SessionValue:
     # Within the sessions, and between them.
     squares = sum(one.count * ((one.spread or 0.0) ** 2 + (one.mean - mean) ** 2) for one in day)
     return replace(day[-1], mean=mean, spread=math.sqrt(squares / count), count=count)
-
-
-__all__ = ["SHOWN", "by_day"]

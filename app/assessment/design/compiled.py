@@ -245,14 +245,3 @@ def _factor(stored: float | None, scale: float) -> float:
 
 def _or_free(factor: float) -> float | None:
     return None if factor == FREE else factor
-
-
-__all__ = [
-    "Guidance",
-    "apply_design",
-    "design_of",
-    "drawn_template",
-    "guidance_of",
-    "mirrored_design",
-    "tolerance_scale_of",
-]

@@ -43,6 +43,3 @@ def counted_live(session: Session, found: MotionSession) -> list[Repetition] | N
             )
         )
     return counted or None
-
-
-__all__ = ["counted_live"]

@@ -57,6 +57,3 @@ def valid_of_the_day(
         assert prescription_id is not None, "asked for by prescription"
         valid[prescription_id] += live.get(session_id, analysed or 0)
     return valid
-
-
-__all__ = ["valid_of_the_day"]

@@ -99,6 +99,3 @@ def dose_of(repetitions: int, sets: int, stops: Iterable[StopRule]) -> Dose:
         set_valid=min(repetitions, least.get("valid_count", repetitions)),
         set_attempts=least.get("attempt_count"),
     )
-
-
-__all__ = ["Dose", "Reached", "dose_of"]

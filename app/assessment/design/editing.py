@@ -73,6 +73,3 @@ def draw(
     )
     repository.add_drawn_version(session, subject, template, version)
     return shown.detail_of(session, subject, template, version)
-
-
-__all__ = ["draw"]

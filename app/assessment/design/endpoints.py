@@ -38,6 +38,3 @@ def copy_template(
 ) -> TemplateVersionDetail:
     """Copy a version as a new template, mirrored where the exercise is of the other side."""
     return library.copy(session, subject, version_id, wanted)
-
-
-__all__ = ["router"]

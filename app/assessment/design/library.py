@@ -145,6 +145,3 @@ def _across(session: Session, subject: Subject, exercise: Exercise) -> Exercise:
         }
     )
     return create_exercise(session, subject, body)
-
-
-__all__ = ["change", "copy"]

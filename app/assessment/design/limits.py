@@ -173,6 +173,3 @@ def _amount(channel: str, value: float) -> Sentence:
         if channel_unit(channel) == "m"
         else say("size.angle", value_rad=value)
     )
-
-
-__all__ = ["Reached", "check_band", "check_stops", "narrow_band", "resting_pose", "troubles_of"]

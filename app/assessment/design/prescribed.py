@@ -112,6 +112,3 @@ def exercise_side(session: Session, found: MotionSession, measured: frozenset[st
     if f"{limb}_{side}" not in measured and f"{limb}_{other}" in measured:
         return other
     return side
-
-
-__all__ = ["NotGuided", "PrescribedGuidance", "exercise_side", "prescribed_guidance", "prescribed_version"]

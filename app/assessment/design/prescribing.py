@@ -81,6 +81,3 @@ def _check(session: Session, subject: Subject, one: Prescription, *, is_band_new
     check_stops(stops, reached, "stops")
     if is_band_new and one.tolerance_scale < 1.0:
         check_band(reached, template_from_bytes(version.content), "tolerance_scale")
-
-
-__all__ = ["change", "prescribe"]

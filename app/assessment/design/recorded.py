@@ -240,6 +240,3 @@ def content_of(built: Built) -> TemplateContent:
         side=side_of(built.template.side),
         sides=list(built.sides),
     )
-
-
-__all__ = ["build", "content_of", "prepare", "preview", "store"]

@@ -112,15 +112,3 @@ def stop_rule(one: StopDesign) -> StopRule:
 def side_of(side: str) -> Side:
     """Return a side of a template by its type."""
     return "left" if side == "left" else "right"
-
-
-__all__ = [
-    "check_rules",
-    "cue_rule",
-    "cue_rules",
-    "said",
-    "side_of",
-    "stop_rule",
-    "stop_rules",
-    "whole_design",
-]

@@ -193,6 +193,3 @@ def version_detail(
         troubles=[text for _, text in troubles_of(design.stops or (), Reached(recorded, own, rest))],
         content=content,
     )
-
-
-__all__ = ["detail", "detail_of", "list_of", "template_out", "version_detail", "version_out"]

@@ -94,6 +94,3 @@ def _part(one: WeightDesign, mean: float, template: Template) -> WeightedPart:
 
 def _or_nan(value: float | None) -> float:
     return math.nan if value is None else value
-
-
-__all__ = ["check_weights", "offered_measures", "weighted_sum"]

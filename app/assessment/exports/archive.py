@@ -259,6 +259,3 @@ def _stream(archive: zipfile.ZipFile, name: str, pieces: Iterable[bytes]) -> Non
     with archive.open(name, "w", force_zip64=True) as target:
         for piece in pieces:
             target.write(piece)
-
-
-__all__ = ["write_archive"]

@@ -58,5 +58,3 @@ OF_STRIDE: Final[dict[str, str]] = {
     "is_termination": "1 for a last stride of a bout",
     "flags": "doubts about the stride as a number of bits; empty where there are none",
 }
-
-__all__ = ["OF_REPETITION", "OF_STRIDE"]

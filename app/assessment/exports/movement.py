@@ -117,6 +117,3 @@ def _pieces(engine: Engine, result_id: str) -> Iterator[pa.Table]:
 
 def _or_unknown(sigma: Float | None, values: Float) -> Float:
     return np.full((*values.shape[:2], 3), np.nan) if sigma is None else sigma
-
-
-__all__ = ["reading", "write_movement"]

@@ -110,6 +110,3 @@ class _Pieces(io.RawIOBase):
         piece, self._waiting = bytes(self._waiting), bytearray()
         if piece:
             self._emit(piece)
-
-
-__all__ = ["export"]

@@ -189,6 +189,3 @@ def strides_sheet(strides: Sequence[FootStride]) -> Sheet:
         columns.append(Column(name, unit.replace("mps", "m/s"), meaning))
     rows = [{"foot": one.side, **{name: getattr(one, name) for name in OF_STRIDE}} for one in strides]
     return Sheet(columns, rows)
-
-
-__all__ = ["Column", "Sheet", "csv_bytes", "files_of", "has_decimal_comma", "measures_sheet", "strides_sheet"]

@@ -159,6 +159,3 @@ def _switched(session: Session, entry: Ended, note: Any) -> str | None:
     end_all_sign_ins(session, account.id)
     note(AGAIN)
     return None if is_active else "accounts"
-
-
-__all__ = ["apply", "in_words"]

@@ -34,6 +34,3 @@ def merge_patients(
 ) -> MergeOut:
     """Move everything of another record of the same person into this one; the other stays in the archive, empty."""
     return merge(session, subject, patient_id, wanted)
-
-
-__all__ = ["router"]

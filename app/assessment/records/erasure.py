@@ -112,6 +112,3 @@ def _require_rest(session: Session, patient_id: str) -> None:
     at_work = select(Job.id).join(MotionSession, MotionSession.id == Job.session_id)
     if session.scalar(at_work.where(own, Job.status == "running").limit(1)) is not None:
         raise Conflict(say("patient.being_analysed"), reason="analysis")
-
-
-__all__ = ["erase", "erase_now"]

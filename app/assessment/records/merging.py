@@ -144,6 +144,3 @@ def _mounting(session: Session, stays: str, other: str) -> None:
     """Take the other record's remembered calibration over where there is none here."""
     if session.scalar(select(Mounting.id).where(Mounting.patient_id == stays)) is None:
         session.execute(update(Mounting).where(Mounting.patient_id == other).values(patient_id=stays))
-
-
-__all__ = ["merge"]

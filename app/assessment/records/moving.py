@@ -184,6 +184,3 @@ def put_again(session: Session, session_id: str, patient_id: str) -> bool:
     found.prescription_id = recordings.prescribed_at(session, found, found.started_at or found.created_at)
     compare_anew(session, Subject.system(found.clinic_id), found)
     return True
-
-
-__all__ = ["change", "compare_anew", "move", "put_again", "require_rest", "require_treated"]

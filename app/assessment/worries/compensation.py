@@ -49,6 +49,3 @@ def compensation_text(found: dict[str, Any]) -> str:
     if found["unit"] == "m":
         return say("caseload.compensation_length", channel=channel, more_m=more)
     return say("caseload.compensation_angle", channel=channel, more_rad=math.radians(more))
-
-
-__all__ = ["LEAST_MORE", "compensation_text", "largest_compensation"]

@@ -29,6 +29,3 @@ def mark_worries_seen(
     somebody who may not treat the patient.
     """
     return service.mark_seen(session, subject, patient_id, body.worries)
-
-
-__all__ = ["router"]

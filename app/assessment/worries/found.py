@@ -221,6 +221,3 @@ def _pain(facts: _Facts) -> tuple[datetime, datetime, str]:
     if said is not None and (mark is not None or said.note):
         known.append(said.answered_at)
     return at, max(known), text
-
-
-__all__ = ["MUCH_PAIN", "STOP_RULES", "place", "unseen", "worries_of"]

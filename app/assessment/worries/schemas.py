@@ -45,6 +45,3 @@ class SeenIn(Schema):
     """Worries that were looked at."""
 
     worries: list[SeenWorry] = Field(min_length=1, max_length=200)
-
-
-__all__ = ["KINDS", "SeenIn", "SeenWorry", "WorryKind", "WorryOut"]

@@ -74,6 +74,3 @@ def mark_seen(session: Session, subject: Subject, patient_id: str, shown: list[S
     return [
         one for one in worries_of(session, [patient_id])[patient_id] if (one.session_id, one.kind) in marked
     ]
-
-
-__all__ = ["list_worries", "mark_seen"]

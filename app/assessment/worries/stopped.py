@@ -73,6 +73,3 @@ def stopped_for_pain(
             StoppedForPain(session_id, started_at or created_at, exercise_id, prescription_id)
         )
     return found
-
-
-__all__ = ["StoppedForPain", "is_stopped_for_pain", "stopped_for_pain"]

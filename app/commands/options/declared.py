@@ -65,6 +65,3 @@ def _function(options: type[CommandOptions]) -> Callable[..., None]:
         ]
     )
     return run
-
-
-__all__ = ["CommandOptions", "add_commands", "shared"]

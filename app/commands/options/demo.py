@@ -45,6 +45,3 @@ def compile_kernels(
     from app.commands import compile_kernels as command
 
     command.compile_kernels(processes)
-
-
-__all__ = ["compile_kernels", "demo", "demo_scaled"]

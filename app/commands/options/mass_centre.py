@@ -26,6 +26,3 @@ def mass_centre(
     from app.commands import mass_centre as command
 
     command.mass_centre(recording, out, format, mapping, rate, pose, stature)
-
-
-__all__ = ["mass_centre"]

@@ -108,6 +108,3 @@ class CalibrateOptions:
     current_limit_a: Annotated[
         float, typer.Option("--current-limit", help="Of the driver, in A.", min=0.01, max=9.9)
     ] = 1.5
-
-
-__all__ = ["CalibrateOptions", "FuseOptions"]

@@ -34,6 +34,3 @@ def as_one(paths: Sequence[Path]) -> Iterator[Path]:
             for path in paths:
                 archive.write(path, path.name if is_apart else f"{path.resolve().parent.name}/{path.name}")
         yield packed
-
-
-__all__ = ["as_one"]

@@ -121,6 +121,3 @@ def simulate(options: SimulateOptions) -> None:
         from app.commands.simulation.arm import simulate as simulate_arm
 
         simulate_arm(shared(Options, options))
-
-
-__all__ = ["SimulateOptions", "simulate"]

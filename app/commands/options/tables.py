@@ -98,6 +98,3 @@ def mapping(
 
     with as_one(table) as one:
         command.mapping(one, out, pipeline, rate)
-
-
-__all__ = ["mapping", "upload"]

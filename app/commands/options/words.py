@@ -110,20 +110,3 @@ Hemisphere = Annotated[
         callback=known_hemisphere,
     ),
 ]
-
-__all__ = [
-    "Email",
-    "Guess",
-    "Hemisphere",
-    "Mapping",
-    "OutFolder",
-    "Password",
-    "Port",
-    "Pose",
-    "Rate",
-    "RecordingFile",
-    "RecordingFiles",
-    "RecordingFormat",
-    "Server",
-    "known_hemisphere",
-]

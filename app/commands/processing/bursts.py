@@ -229,6 +229,3 @@ def _say(one: BurstAnalysis, found: dict[str, Any]) -> None:
             )
     for name, count in found["flags"].items():
         typer.echo(f"  {name.lower().replace('_', ' ')}: {count} bursts")
-
-
-__all__ = ["process_bursts", "summary"]

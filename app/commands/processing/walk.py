@@ -144,6 +144,3 @@ def _plain(found: Measure) -> dict[str, Any]:
     values = {"value": found.value, "sigma": found.sigma, "spread": found.spread}
     known = {name: value if math.isfinite(value) else None for name, value in values.items()}
     return {**known, "count": found.count, "unit": found.unit}
-
-
-__all__ = ["write_walk"]

@@ -168,6 +168,3 @@ async def _simulate(options: RelativeOptions) -> None:
     async with ServiceClient(options.server) as service:
         await service.sign_in(options.email, options.password)
         await stream(service, options, typer.echo)
-
-
-__all__ = ["RelativeOptions", "simulate_relative", "simulated", "stream", "write_log"]

@@ -142,6 +142,3 @@ async def _simulate(options: WalkOptions) -> None:
             f"session {session_id}: {report.sent} packets sent, {report.resent} sent again,"
             f" {report.unacknowledged} not acknowledged"
         )
-
-
-__all__ = ["WalkOptions", "simulate_walk", "stream", "walk_of"]

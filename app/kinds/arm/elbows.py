@@ -32,6 +32,3 @@ def with_elbows(setup: SessionSetup, pose_s: tuple[float, float], pieces: Iterab
             middle_s = 0.5 * (pose_s[0] + pose_s[1])
             setup = pipelines.refine_elbows(pipelines.concatenate(parts), setup, middle_s)
     return setup
-
-
-__all__ = ["with_elbows"]

@@ -146,6 +146,3 @@ def in_words(rivals: Sequence[Slip]) -> Sentence:
 def _joints_of(slip: Slip) -> tuple[str, ...]:
     part = slip.placement.removesuffix("_left").removesuffix("_right")
     return _JOINTS[part]
-
-
-__all__ = ["EVENT", "SlippedLine", "in_words", "mounted_since_s", "report_slips", "slips_of"]

@@ -31,6 +31,3 @@ def report_worn(context: JobContext, setup: SessionSetup, at_s: float) -> None:
     ]
     with unit_of_work(context.engine) as session:
         replace_events(session, context.session_id, EVENT, events)
-
-
-__all__ = ["EVENT", "report_worn"]

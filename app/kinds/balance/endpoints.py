@@ -25,6 +25,3 @@ def get_balance(
     Of the sensor on the pelvis where one was worn, unless `placement` says otherwise.
     """
     return balance_of(session, subject, session_id, result_id, placement)
-
-
-__all__ = ["router"]

@@ -65,6 +65,3 @@ class BalanceTestOut(Spoken):
     romberg: list[RombergOut]
     reasons: list[str]
     """What a reader of the numbers must know."""
-
-
-__all__ = ["BalanceMeasure", "BalanceTestOut", "Condition", "EllipseOut", "RombergOut", "TrialOut"]

@@ -241,6 +241,3 @@ def _measure(name: str, one: SwayMeasure) -> BalanceMeasure:
 
 def _plain(value: float) -> float | None:
     return float(f"{value:.5g}") if math.isfinite(value) else None
-
-
-__all__ = ["CONDITIONS", "REST", "balance_of", "spans_of"]

@@ -175,6 +175,3 @@ def findings(found: CoilCalibration, places: int) -> SourceFindings:
         place_residual_m=found.place_residual_m,
         places=places,
     )
-
-
-__all__ = ["LONGEST_S", "Bench", "coils_out", "findings"]

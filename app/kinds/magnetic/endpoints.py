@@ -46,6 +46,3 @@ def get_source_use(
 
 def _hours(request: Request) -> float:
     return services_of(request).settings.implant_confirmation_hours
-
-
-__all__ = ["router"]

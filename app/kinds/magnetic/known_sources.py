@@ -39,6 +39,3 @@ def parameters_of(session: Session, subject: Subject, source_id: str) -> dict[st
         "source_serial": row.serial,
         "calibrated_on": row.calibrated_at.date().isoformat(),
     }
-
-
-__all__ = ["find_source", "parameters_of"]

@@ -209,18 +209,3 @@ def _source_of(setup: dict[str, Any]) -> tuple[SourceSettings | None, float | No
         return settings, math.ceil(100.0 * (out_m + keep_away_distance_m(source))) / 100.0
     except SetupError:
         return None, None
-
-
-__all__ = [
-    "CONFIRMATION_HOURS",
-    "EVENT",
-    "EXPIRED",
-    "NOT_CONFIRMED",
-    "PIPELINE",
-    "WARNING",
-    "WITHDRAWN",
-    "confirm",
-    "require_confirmed",
-    "safety",
-    "withdraw",
-]

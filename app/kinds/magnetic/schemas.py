@@ -70,6 +70,3 @@ class SourceUseOut(Schema):
     """By sensor: `estimators.magnetic.RelativeFlag` bits."""
     inertial_only_s: dict[str, float]
     """By sensor: how long it went without the source."""
-
-
-__all__ = ["MagneticSafetyIn", "MagneticSafetyOut", "SourceUseOut"]

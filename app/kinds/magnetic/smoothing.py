@@ -28,6 +28,3 @@ class SmoothedModules:
         for piece in self._pieces:
             yield pipelines.with_modules(piece, self._modules, start)
             start += piece.tick_count
-
-
-__all__ = ["SmoothedModules"]

@@ -54,6 +54,3 @@ def calibrate_source(
 ) -> MagneticSourceOut:
     """Find the coils of a source from a session in which the sensor was laid at measured places, and keep them."""
     return magnetic_sources.calibrate(services_of(request).engine, subject, session_id, wanted)
-
-
-__all__ = ["router"]

@@ -106,14 +106,3 @@ class SourceCalibrationIn(Schema):
     """How well the places were measured."""
     sensor: Placement | None = None
     """By default the first."""
-
-
-__all__ = [
-    "CoilIn",
-    "MagneticSourceIn",
-    "MagneticSourceOut",
-    "SourceCalibrationIn",
-    "SourceFindings",
-    "SourceStopOut",
-    "SourceStopsOut",
-]

@@ -162,6 +162,3 @@ def _told(session: Session, row: MagneticSource) -> MagneticSourceOut:
     return MagneticSourceOut.model_validate(
         own | {"calibrated_by": None if account is None else account.display_name}
     )
-
-
-__all__ = ["calibrate", "keep", "list_sources", "retire", "stops"]

@@ -93,6 +93,3 @@ def _rounded(values: Float) -> list[float]:
 
 def _known(values: Float) -> list[float | None]:
     return [round(float(value), 5) if np.isfinite(value) else None for value in values]
-
-
-__all__ = ["source_use", "use_of"]

@@ -121,6 +121,3 @@ def _with_forces(
         return pipelines.analyse_shoes(recording, setup, walk), note
     except EstimationError as error:
         return None, say("walk.no_forces", reason=error.message)
-
-
-__all__ = ["follow_feet"]

@@ -130,6 +130,3 @@ def _measure(
 
 def _rounded(values: Float, digits: int) -> list[float]:
     return [round(float(v), digits) for v in values]
-
-
-__all__ = ["balance_of"]

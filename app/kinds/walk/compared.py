@@ -186,6 +186,3 @@ def _reason(one: StrideOut) -> str:
     if one.is_termination:
         return say("stride.last")
     return say("stride.unsteady") if one.flags is None else say("stride.turning")
-
-
-__all__ = ["cycles_of", "foot_curves", "source_of", "walk_source"]

@@ -138,6 +138,3 @@ def _curve(name: CurveName, unit: str, time_s: Float, values: Float, cycles: Flo
         spread=[round(float(v), 5) for v in found.std(axis=0, ddof=1)],
         cycle_count=len(cycles),
     )
-
-
-__all__ = ["PHASES", "cycle_curves", "force_curves", "peak_measures"]

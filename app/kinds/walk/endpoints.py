@@ -67,6 +67,3 @@ def compare_walks(
 ) -> ConditionsOut:
     """Compare the walks of one condition with those of another, measure by measure; nothing is stored."""
     return compare(session, subject, patient_id, body)
-
-
-__all__ = ["router"]

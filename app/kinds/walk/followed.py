@@ -36,6 +36,3 @@ def followed_of(content: WalkContent) -> list[Followed]:
         for name, (unit, value, spread, count) in found.items()
         if value is not None
     ]
-
-
-__all__ = ["Followed", "followed_of"]

@@ -205,6 +205,3 @@ def _content(row: SignalChunk) -> WalkContent:
 
 def _plain(value: float) -> float | None:
     return value if value == value else None
-
-
-__all__ = ["any_walk", "changes_between", "compare", "stored_walk", "walk_content", "walks_of"]

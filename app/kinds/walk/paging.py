@@ -73,6 +73,3 @@ def _until(balance: BalanceOut, end_s: float) -> BalanceOut:
     }
     support = [one for one in balance.support if one.time_s <= end_s]
     return balance.model_copy(update={**cut, "support": support})
-
-
-__all__ = ["FIRST_STRIDES", "beginning", "page_of", "thinned"]

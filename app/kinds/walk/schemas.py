@@ -255,25 +255,3 @@ class FootCurvesOut(Schema):
     result_id: str
     time_s: list[float]
     curves: list[FootCurve]
-
-
-__all__ = [
-    "BalanceOut",
-    "ConditionsIn",
-    "ConditionsOut",
-    "CurveName",
-    "CycleCurve",
-    "FootCurve",
-    "FootCurvesOut",
-    "FootOut",
-    "FootStride",
-    "FootholdOut",
-    "GaitOut",
-    "MeasureChange",
-    "StrideOut",
-    "SupportOut",
-    "WalkContent",
-    "WalkMeasure",
-    "WalkRow",
-    "WalkTestOut",
-]

@@ -47,6 +47,3 @@ def unpacked(data: bytes, rate_hz: float) -> Recording:
         for name in names
     }
     return Recording(sensors, rate_hz, origin="session")
-
-
-__all__ = ["as_stored", "packed", "unpacked"]

@@ -125,6 +125,3 @@ def _signals(piece: ImuChunk, rows: list[int]) -> NDArray[np.float64]:
     nothing = np.full((len(rows), piece.tick_count, 3), np.nan)
     loads = [nothing if part is None else part[rows] for part in (piece.force_n, piece.moment_nm)]
     return np.concatenate([piece.gyroscope_radps[rows], piece.accelerometer_mps2[rows], *loads], axis=2)
-
-
-__all__ = ["SHOES_STREAM", "load_shoes", "shoes_of", "store_shoes"]

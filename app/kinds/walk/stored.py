@@ -304,15 +304,3 @@ def _stride(strides: Strides, k: int, is_counted: bool) -> StrideOut:
 
 def _plain(value: Any) -> float | None:
     return round(float(value), 5) if np.isfinite(value) else None
-
-
-__all__ = [
-    "PIPELINE",
-    "content_of",
-    "gait",
-    "guided_kind_of",
-    "recording_of",
-    "store_walk",
-    "strides_page",
-    "walk_stream",
-]

@@ -181,6 +181,3 @@ class CalibratedSession(SessionBook):
                 [done, say("live.directions_left", places=left) if left else ""]
             )
             self._publish_state()
-
-
-__all__ = ["CalibratedSession"]

@@ -291,6 +291,3 @@ def redo_steps(found: Collector, redo: Sequence[str] = ()) -> list[str]:
     """Return the steps that a refusal names; all when it names none."""
     keys = [step.key for step in found.steps]
     return [key for key in keys if key in redo] or keys
-
-
-__all__ = ["COLLECTORS", "CalibrationDesk", "redo_steps"]

@@ -328,6 +328,3 @@ def arms_of(limbs: Sequence[str], worn: Sequence[Placement]) -> list[str]:
     able = [s for s in ("left", "right") if {f"upper_arm_{s}", f"forearm_{s}"} <= set(worn)]
     named = [s for s in able if f"{s}_arm" in limbs]
     return named or able
-
-
-__all__ = ["Collector", "MovementSteps", "Outcome", "PoseStep", "arms_of", "findings_out", "limb_placements"]

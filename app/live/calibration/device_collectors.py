@@ -323,6 +323,3 @@ def _of(placement: Placement, what: str) -> Sentence:
 
 def _finite(value: float) -> float | None:
     return round(value, 2) if math.isfinite(value) else None
-
-
-__all__ = ["Compass", "SixPositions", "merged"]

@@ -120,6 +120,3 @@ def _rows(session: Session, session_id: str, serials: Collection[str]) -> dict[s
             session.add(rows[serial])
         rows[serial].session_id, rows[serial].updated_at = session_id, utc_now()
     return rows
-
-
-__all__ = ["save_device_calibrations", "save_device_constants", "with_known_devices"]

@@ -74,6 +74,3 @@ async def _session(request: Request, subject: Subject, session_id: str, action: 
     )
     found: LiveSession = services.get(SteeredSide).live(session_id)
     return found
-
-
-__all__ = ["router"]

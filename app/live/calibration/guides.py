@@ -222,5 +222,3 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
         ),
     )
 }
-
-__all__ = ["GUIDES"]

@@ -185,19 +185,3 @@ class CalibrationMessage(Spoken):
     fields: list[FieldOut] = Field(default_factory=list)
     """`magnetometer`, when `done`."""
     result: CalibrationOut | None = None
-
-
-__all__ = [
-    "AxisOut",
-    "CalibrationGuide",
-    "CalibrationIn",
-    "CalibrationKind",
-    "CalibrationMessage",
-    "CalibrationStep",
-    "FieldOut",
-    "Limb",
-    "Phase",
-    "Picture",
-    "SensorFinding",
-    "SensorProgress",
-]

@@ -202,6 +202,3 @@ class FirstSeconds:
         """At rest a unit is only doubted: that it is wrong, as the movement shows, is new."""
         known = self._told.get(finding.subject)
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
-
-
-__all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "FIRST_CHECK_S", "CheckTurns", "FirstSeconds"]

@@ -92,6 +92,3 @@ class ForceWatch:
                     self._told[side] = is_bad
                     found.append(ForceChange(side, FORCE_STATES[state], since))
         return found
-
-
-__all__ = ["ForceChange", "ForceWatch"]

@@ -74,5 +74,3 @@ _WORDS: Final[dict[str, Callable[[Mapping[str, Any]], Sentence]]] = {
         "readings.live_field_down", where=of["where"], angle_rad=of["angle_rad"]
     ),
 }
-
-__all__ = ["in_live_words"]

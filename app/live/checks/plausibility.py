@@ -159,6 +159,3 @@ def _begin() -> None:
         os._exit(1)
 
     threading.Thread(target=leave_with_parent, name="leave-with-parent", daemon=True).start()
-
-
-__all__ = ["Check", "CheckProcess", "Checked", "check", "packed"]

@@ -47,6 +47,3 @@ class Pulse:
             else:
                 # A client that does not keep up needs no pulse to know of the service.
                 self._socket.send_text_now(_WORD)
-
-
-__all__ = ["PULSE_S", "Pulse"]

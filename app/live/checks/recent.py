@@ -82,6 +82,3 @@ class RecentSamples:
             fields[2] if len(fields) == 3 else None,
             np.ascontiguousarray(self._quality[at].T),
         )
-
-
-__all__ = ["LATE_TICKS", "RecentSamples"]

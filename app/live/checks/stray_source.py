@@ -70,6 +70,3 @@ class StraySource:
             self._is_told = True
             words = _NO_SOURCE if is_allowed is None else _STOPPED
             self._tell(KIND, first_s + tick * time_step_s, placements[row], words)
-
-
-__all__ = ["KIND", "StraySource"]

@@ -45,6 +45,3 @@ class WornWatch:
     def _is_judged(calibration: Calibration) -> bool:
         is_by_pose = "pose" in calibration.method
         return is_by_pose and not calibration.unknown_headings and not calibration.contradicted
-
-
-__all__ = ["WornWatch"]

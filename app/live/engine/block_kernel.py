@@ -61,6 +61,3 @@ def write_blocks(
             for a in range(angles):
                 out[at + a] = columns.angle_flags[k, a]
             at += angles
-
-
-__all__ = ["write_blocks"]

@@ -98,6 +98,3 @@ def unmask(words: NDArray[np.uint64], masked: NDArray[np.int64]) -> None:
         mask = key | (key << np.uint64(32))
         for k in range(masked[n, 0], masked[n, 0] + masked[n, 1]):
             words[k] ^= mask
-
-
-__all__ = ["JOURNAL_BYTES", "LENGTH", "OFFSET", "SENDER", "Journal", "Received", "Sender", "unmask"]

@@ -331,6 +331,3 @@ class Lane:
             first_tick, step_s = next_tick - whole.pop(), parts.clock.declaration.time_step_s
             chunk = session.recent.chunk(first_tick, next_tick, step_s)
         session.after_pooled(frames, whole, chunk)
-
-
-__all__ = ["ARRIVAL_S", "Lane", "Parts", "TakenPacket"]

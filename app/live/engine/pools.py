@@ -262,6 +262,3 @@ class SessionPool:
         written = self._numbers.data.cast("B")
         for start, size in zip((4 * places[:, 2]).tolist(), (4 * sizes).tolist(), strict=True):
             yield PublishedBlock(bytes(written[start : start + size]))
-
-
-__all__ = ["FRAME_ROWS", "ITEMS", "SESSIONS", "SessionPool", "pool_key"]

@@ -46,6 +46,3 @@ class Shared:
     def sessions(self) -> list[LiveSession]:
         """All live sessions of this process."""
         return [one for side in self.sides for one in side.sessions]
-
-
-__all__ = ["Shared"]

@@ -209,6 +209,3 @@ def _serve(take: Take, request: NDArray[np.int64], errors: list[Exception]) -> N
         os.close(answering)
         # Behind both: whoever has asked meanwhile finds out that there is nobody.
         request[IS_ANSWERED] = 1
-
-
-__all__ = ["StepThread", "Take", "asked", "take_arms"]

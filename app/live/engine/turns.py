@@ -468,6 +468,3 @@ def _has(part: _Part, lane: Lane) -> bool:
     """Whether packets of a lane are in a part, or wait behind it."""
     _, items, more = part
     return any(own is lane for _, own in items) or any(own is lane for later in more for _, own in later)
-
-
-__all__ = ["PooledEngine"]

@@ -340,6 +340,3 @@ def _number(value: float) -> float | None:
 def _one_more(counts: GuidanceCounts, kind: str) -> tuple[GuidanceCounts, int]:
     number = getattr(counts, kind) + 1
     return counts.model_copy(update={kind: number}), number
-
-
-__all__ = ["GuidanceDesk"]

@@ -41,6 +41,3 @@ async def get_guidance(session_id: str, request: Request, subject: CurrentSubjec
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "read")
     live: SteeredSide = services.get(SteeredSide)
     return live.guidance(session_id).message
-
-
-__all__ = ["router"]

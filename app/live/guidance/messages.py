@@ -65,13 +65,3 @@ class GuidanceMessage(Spoken):
     """The one thing to say now; empty while there is nothing, or nothing certain enough."""
     cue_number: int = 0
     """Grows with each cue, so that the same words said again are known as new."""
-
-
-__all__ = [
-    "GuidanceCause",
-    "GuidanceCommand",
-    "GuidanceCommandIn",
-    "GuidanceCounts",
-    "GuidanceMessage",
-    "GuidanceStatus",
-]

@@ -105,6 +105,3 @@ def _stood(events: Sequence[Row[Any]]) -> TakenUp:
 def _counted(kinds: Iterable[str]) -> GuidanceCounts:
     counted = Counter(kinds)
     return GuidanceCounts(**{kind: counted[kind] for kind in ("valid", "partial", "wrong")})
-
-
-__all__ = ["ENDS_A_SET", "TakenUp", "read_guidance", "stood", "taken_up"]

@@ -29,6 +29,3 @@ def counted(kind: str, number: int) -> Sentence:
     if kind == "partial":
         return say("guided.partial", number=number)
     return say("guided.wrong", number=number)
-
-
-__all__ = ["HELD", "PAUSED", "RESUMED", "STOPPED", "counted"]

@@ -100,6 +100,3 @@ class RightsDesk:
             if not answer.done():
                 answer.set_result(refusal)
         del found, refusals, refusal
-
-
-__all__ = ["MOST_AT_ONCE", "RightsDesk"]

@@ -36,6 +36,3 @@ class Patience:
                 raise
         else:
             self._answered_s = time.monotonic()
-
-
-__all__ = ["Patience"]

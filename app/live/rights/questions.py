@@ -166,6 +166,3 @@ def _active(session: Session, ids: set[str]) -> set[str]:
     if not ids:
         return set()
     return set(session.scalars(_ACTIVE_ACCOUNTS, {"ids": list(ids)}))
-
-
-__all__ = ["RightQuestion", "answers", "answers_apart", "still_allowed"]

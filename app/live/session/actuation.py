@@ -178,6 +178,3 @@ class Actuation:
         pipeline's word about the coil states.
         """
         return any(bits & _FAULT and (not bits & _ALONE or bits & _STARTING) for bits in states)
-
-
-__all__ = ["Actuation", "Order"]

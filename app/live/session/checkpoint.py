@@ -182,6 +182,3 @@ def _described(found: Any) -> Any:
 
 def _below(arrays: Arrays, prefix: str) -> dict[str, NDArray[Any]]:
     return {name.removeprefix(prefix): one for name, one in arrays.items() if name.startswith(prefix)}
-
-
-__all__ = ["LAYOUT", "State", "capture", "key_of", "pack", "resume"]

@@ -92,6 +92,3 @@ async def all_stored(writer: GroupCommitWriter, sessions: Sequence[LiveSession])
     with contextlib.suppress(TimeoutError):
         async with asyncio.timeout(LAST_COMMIT_S):
             await asyncio.gather(*flushed, return_exceptions=True)
-
-
-__all__ = ["Marks", "all_stored"]

@@ -213,6 +213,3 @@ def setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
         rate_hz=declaration.rate_hz,
         orientation_parameters=kind_of(setup).declared(setup.orientation_parameters, declaration),
     )
-
-
-__all__ = ["ANYWHERE", "Opener", "Place", "check_network", "setup_for"]

@@ -39,6 +39,3 @@ def stored_layout(stored: StoredSession) -> LayoutMessage:
     setup = SessionSetup.from_dict(stored.setup)
     pipeline = pipelines.create(setup)
     return layout_message(stored.id, pipeline.layout, setup.rate_hz, pipeline.delay_ticks)
-
-
-__all__ = ["stored_layout", "stored_state"]

@@ -40,6 +40,3 @@ class Streamed:
     chunks: Sequence[EncodedChunk] | None
     guided: TakenUp
     is_prescribed: bool
-
-
-__all__ = ["Streamed"]

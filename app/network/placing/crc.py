@@ -67,6 +67,3 @@ def crc32(
         value = (value >> np.uint32(8)) ^ tables[0, (value ^ np.uint32(data[at])) & one]
         at += 1
     return np.uint32(value ^ np.uint32(0xFFFFFFFF))
-
-
-__all__ = ["TABLES", "crc32"]

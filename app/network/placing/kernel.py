@@ -476,6 +476,3 @@ def place(
         item.signals_at, item.quality_at, item.tick_at = 3 * channels * samples, samples, 0
         _take(item, network.slot[item.slot], packets, network, placed, frame_rows)
         samples += sensors * item.ticks
-
-
-__all__ = ["NETWORK", "PACKETS", "PLACED", "place"]

@@ -212,20 +212,3 @@ def room_for(channels: int, sensors: int, most_ticks: int, mask: int = 0) -> Pla
         np.empty(MOST_TICKS + 1),
         np.ones(3),
     )
-
-
-__all__ = [
-    "ITEM",
-    "MOST_TICKS",
-    "ORDINARY",
-    "RARE",
-    "SLOT",
-    "SNAP_TICKS",
-    "WAITS",
-    "Network",
-    "Packets",
-    "Placed",
-    "carried_by",
-    "network_rows",
-    "room_for",
-]

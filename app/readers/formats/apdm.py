@@ -160,6 +160,3 @@ def _sensor(label: str, columns: dict[str, Float], time_s: Float, rate_hz: float
             say("file.no_column", column=f"{label}/Temperature/Scalar deg C"), sensor=label
         )
     return SensorSignals(time_s, gyroscope, accelerometer, field, temperature_degc=temperature)
-
-
-__all__ = ["PLACEMENT_OF", "read_apdm"]

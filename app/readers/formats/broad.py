@@ -119,6 +119,3 @@ class BroadReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read one trial."""
         return read_broad(source.path)
-
-
-__all__ = ["read_broad"]

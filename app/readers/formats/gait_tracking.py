@@ -70,6 +70,3 @@ class GaitTrackingReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read one walk."""
         return read_gait_tracking(source.path)
-
-
-__all__ = ["COLUMNS", "read_gait_tracking"]

@@ -165,6 +165,3 @@ class GaitmapReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read sensor samples, and what lies beside them as truth."""
         return read_gaitmap(source.path, source.name)
-
-
-__all__ = ["AXES", "read_gaitmap"]

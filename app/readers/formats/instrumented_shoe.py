@@ -157,6 +157,3 @@ class InstrumentedShoeReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read one walk."""
         return read_instrumented_shoe(source.path)
-
-
-__all__ = ["read_instrumented_shoe", "write_instrumented_shoe"]

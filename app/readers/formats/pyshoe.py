@@ -92,6 +92,3 @@ class PyShoeReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read one walk."""
         return read_pyshoe(source.path)
-
-
-__all__ = ["read_pyshoe"]

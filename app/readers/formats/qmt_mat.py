@@ -107,6 +107,3 @@ class QmtReader(Reader):
     def read(self, source: Source) -> Recording:
         """Read it; there is no magnetometer."""
         return read_qmt(source.path)
-
-
-__all__ = ["PLACEMENT_OF", "read_qmt"]

@@ -193,6 +193,3 @@ def _points(
     # Some programs write lost points as zeros without saying so: a marker is never exactly at the origin.
     seen &= np.isfinite(position).all(axis=-1) & (position != 0.0).any(axis=-1)
     return np.where(seen[..., None], position, np.nan)
-
-
-__all__ = ["MAX_POINTS", "C3dPoints", "read_c3d"]

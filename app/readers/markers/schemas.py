@@ -139,16 +139,3 @@ class MarkersOut(Spoken):
     status: Literal["queued", "running", "complete", "failed"]
     message: str
     report: MarkerReport | None
-
-
-__all__ = [
-    "MarkerCurves",
-    "MarkerFileIn",
-    "MarkerFormat",
-    "MarkerGap",
-    "MarkerGapCheck",
-    "MarkerMotionOut",
-    "MarkerReport",
-    "MarkerUploadIn",
-    "MarkersOut",
-]

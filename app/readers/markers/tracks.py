@@ -115,6 +115,3 @@ def _read_csv(path: Path, declared: MarkerFileIn) -> tuple[tuple[str, ...], Floa
     # A hidden marker is empty, NaN, or all three zero.
     position = np.where((position == 0.0).all(axis=-1, keepdims=True), np.nan, position)
     return names, time_s, position * METRES[declared.unit]
-
-
-__all__ = ["METRES", "MarkerTracks", "read_markers"]

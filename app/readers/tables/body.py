@@ -236,6 +236,3 @@ def _in_words(error: ValueError, head: TableHead) -> RecordingFormatError:
         name = head.columns[int(at[1])] if at else "?"
         return RecordingFormatError(say("table.not_a_number", column=name), column=name)
     return RecordingFormatError(say("table.unreadable"))
-
-
-__all__ = ["MAX_LINE_BYTES", "MAX_VALUES", "check_present", "read_columns", "read_table"]

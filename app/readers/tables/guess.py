@@ -266,6 +266,3 @@ def pipeline_for(placements: list[str]) -> PipelineName:
         return "orientation"
     is_walk = all(place.startswith(("foot_", "heel_", "forefoot_", "shank_", "pelvis")) for place in worn)
     return "gait" if is_walk and any(place.startswith(("foot_", "heel_")) for place in worn) else "arm"
-
-
-__all__ = ["SINGLE", "Guess", "PipelineName", "guess_of_head", "pipeline_for"]

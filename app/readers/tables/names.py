@@ -254,19 +254,3 @@ def quantity_of(words: list[str], *, letters: bool = False) -> str:
         if pattern.search(plain):
             return name
     return _LETTERS.get(words[-1], "") if letters and words else ""
-
-
-__all__ = [
-    "AXES",
-    "Named",
-    "is_of_quantity",
-    "is_orientation",
-    "named",
-    "placement_of",
-    "quantity_of",
-    "side_of",
-    "time_unit_of",
-    "unit_of",
-    "without_unit",
-    "words_of",
-]

@@ -64,6 +64,3 @@ def pauses_of(members: Sequence[Member]) -> Pauses | None:
                 length_s.append(outside - paused)
             paused = None
     return Pauses(tuple(at_s), tuple(length_s))
-
-
-__all__ = ["Pauses", "pauses_of"]

@@ -330,16 +330,3 @@ def _quantity_said(value: str) -> str:
         return ""
     found = quantity_of(words)
     return found if found in _OF_SIGNALS else ""
-
-
-__all__ = [
-    "DECIMAL",
-    "DEVICE",
-    "Turns",
-    "devices_of_pieces",
-    "devices_of_rows",
-    "follow_each_other",
-    "kinds_of_rows",
-    "names_devices",
-    "only_device",
-]

@@ -64,6 +64,3 @@ class GuessedMapping(_Mapping):
     """How a table seems to be read, until a person has completed it to a `CsvMapping`."""
 
     signals: list[GuessedColumn]
-
-
-__all__ = ["CsvColumn", "CsvMapping", "GuessedColumn", "GuessedMapping"]

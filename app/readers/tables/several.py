@@ -286,6 +286,3 @@ def _padded(values: NDArray[Any], length: int) -> NDArray[Any]:
         return values
     nothing = np.full(length - len(values), "" if values.dtype == object else np.nan, dtype=values.dtype)
     return np.concatenate([values, nothing])
-
-
-__all__ = ["Part", "Tables"]

@@ -163,6 +163,3 @@ def joined(time_s: Float, values: Float, at_s: Float) -> Float:
     is_hole = (time_s[after] - time_s[after - 1] > longest) & (nearest_s > _ROUNDED * longest)
     found[outside | is_hole] = np.nan
     return found
-
-
-__all__ = ["Clock", "Stream", "begun", "joined", "share_rows", "stream_of"]

@@ -153,6 +153,3 @@ class _Recoded(io.RawIOBase):
         taken, self._left = self._left[: len(target)], self._left[len(target) :]
         target[: len(taken)] = taken
         return len(taken)
-
-
-__all__ = ["HEAD_BYTES", "encoding_of", "later_of", "lines_of", "opened", "start_of", "text_of"]

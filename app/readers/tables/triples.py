@@ -112,6 +112,3 @@ def whole_sensors(triples: list[Triple]) -> tuple[list[Triple], list[Triple]]:
         chosen = [one for one in chosen if one.quantity != "magnetometer"]
     used = {one.columns for one in chosen}
     return chosen, [one for one in triples if one.columns not in used]
-
-
-__all__ = ["Triple", "of_devices", "of_kinds", "triples_of", "whole_sensors"]

@@ -218,6 +218,3 @@ def _fitting(values: Float, bounds: tuple[float, float], order: tuple[str, ...])
     sizes = np.linalg.norm(values[np.isfinite(values).all(axis=1)], axis=1)
     median = float(np.median(sizes)) if sizes.size else 0.0
     return next((unit for unit in order if bounds[0] <= median * TO_SI[unit] <= bounds[1]), "")
-
-
-__all__ = ["Body", "accelerometer_unit", "bodies_of", "gyroscope_unit", "magnetometer_unit"]

@@ -48,6 +48,3 @@ class Series:
     curves: Callable[[Frames, SessionSetup], Sequence[Curve]]
     lacks: Callable[[SessionSetup, Mapping[str, Any]], str] = lambda setup, layout: ""
     margin_s: float = 0.0
-
-
-__all__ = ["Curve", "Series"]

@@ -161,6 +161,3 @@ def _angle(one: Frames, other: Frames, name: str) -> tuple[Float, Float, NDArray
 
 def _shared(first: Sequence[str], second: Sequence[str]) -> list[str]:
     return [name for name in first if name in second]
-
-
-__all__ = ["MAX_CURVE_POINTS", "differences"]

@@ -59,6 +59,3 @@ def parameter_out(name: str, default: Any) -> ParameterOut:
 
 def _words(name: str) -> str:
     return name.replace("_", " ").capitalize()
-
-
-__all__ = ["estimators_out", "parameter_out"]

@@ -173,6 +173,3 @@ def with_first_headings(
         for _ in line.step(piece):
             pass
     return line.pipeline.setup, line.waiting
-
-
-__all__ = ["MOUNTINGS", "HeadingLine", "HeadingReset", "calibration_in_force", "with_first_headings"]

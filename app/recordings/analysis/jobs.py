@@ -387,6 +387,3 @@ class JobRunner:
                 callback(done)
             except Exception:
                 logger.exception("a subscriber of the task queue failed")
-
-
-__all__ = ["Handler", "JobContext", "JobDone", "JobRunner", "run_job"]

@@ -157,6 +157,3 @@ def kind_routers() -> list[APIRouter]:
 def kind_of(setup: SessionSetup | Mapping[str, Any]) -> SessionKind:
     """Return the kind of a session by its setup, as an object or as it is stored."""
     return kinds()[setup.pipeline if isinstance(setup, SessionSetup) else str(setup["pipeline"])]
-
-
-__all__ = ["SessionKind", "View", "Wanted", "kind_of", "kind_routers", "kinds"]

@@ -250,16 +250,3 @@ def beginning(pieces: Iterable[ImuChunk], tick_count: int) -> ImuChunk:
     if not taken:
         raise CalibrationError(say("session.no_packets"))
     return ImuChunk.join(taken).ticks(0, tick_count)
-
-
-__all__ = [
-    "Analysis",
-    "StoredSession",
-    "aligned",
-    "beginning",
-    "calibrated",
-    "decoded",
-    "estimated",
-    "posed",
-    "smoothed",
-]

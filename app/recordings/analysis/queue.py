@@ -113,6 +113,3 @@ class FairQueue:
         group = {"running": running, "clinic_id": clinic_id, "asked_by": asked_by}
         job = session.execute(_OLDEST_OF_GROUP, group).one()
         return Waiting(job.id, job.kind, clinic_id, asked_by)
-
-
-__all__ = ["FairQueue", "Waiting"]

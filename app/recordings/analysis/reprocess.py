@@ -71,6 +71,3 @@ def count_session(session: Session, found: MotionSession, analysis: Analysis) ->
     found.packets_stored = len(stored)
     found.packets_missing = stored.missing_count
     found.duration_s = analysis.ticks / float(found.setup["rate_hz"])
-
-
-__all__ = ["count_session", "enqueue_comparison", "reprocess"]

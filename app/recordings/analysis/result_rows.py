@@ -85,6 +85,3 @@ def write_frames(context: JobContext, result_id: str, chunks: list[EncodedChunk]
             insert_chunk(
                 session, context.session_id, frames_stream(result_id), chunk.scale["first_tick"], chunk
             )
-
-
-__all__ = ["CHUNKS_A_COMMIT", "filter_of", "forget", "layout_dict", "new_result", "write_frames"]

@@ -52,6 +52,3 @@ def in_sequence(
 
 def _plain(values: Float) -> list[float | None]:
     return [round(float(v), 3) if np.isfinite(v) else None for v in np.degrees(values)]
-
-
-__all__ = ["in_sequence"]

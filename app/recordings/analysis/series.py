@@ -129,6 +129,3 @@ class _Parts:
 
 def _plain(values: Float) -> list[float | None]:
     return [round(float(v), 5) if np.isfinite(v) else None for v in values]
-
-
-__all__ = ["series_of"]

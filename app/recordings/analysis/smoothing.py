@@ -75,6 +75,3 @@ def remember(session: Session, found: MotionSession, learnt: Mapping[Placement, 
 def smoother_for(filter_name: str) -> str | None:
     """Return the smoother of the same method as a live filter, if there is one."""
     return next((name for name, kind in orientation.smoothers().items() if kind.follows == filter_name), None)
-
-
-__all__ = ["SmoothedSession", "remember", "smoother_for"]

@@ -53,6 +53,3 @@ def _nothing_before(chunk: ImuChunk) -> ImuChunk:
     missing = np.full(shape[:2], int(SampleQuality.MISSING), dtype=np.uint8)
     field = None if chunk.magnetometer_t is None else nothing
     return ImuChunk(0, chunk.time_step_s, nothing, nothing, field, missing)
-
-
-__all__ = ["stored_recording", "ticks_of"]

@@ -52,6 +52,3 @@ def calibrate_still(pipeline: Pipeline, sensors: int) -> None:
     # As it is stored and replayed.
     data, _, scale = frame_codec.pack(frames)
     frame_codec.unpack(frame_codec.FRAMES_CODEC, data, scale, 20, pipeline.layout)
-
-
-__all__ = ["calibrate_still", "still"]

@@ -22,6 +22,3 @@ def put_answers(
 ) -> AnswersOut:
     """Store what the patient says after the exercise; saying it again replaces it."""
     return service.store(session, subject, session_id, wanted)
-
-
-__all__ = ["router"]

@@ -27,6 +27,3 @@ class AnswersOut(AnswersIn):
     question: str
     """The therapist's own; as it was when it was answered. Empty where there is none."""
     answered_at: datetime | None = None
-
-
-__all__ = ["AnswersIn", "AnswersOut"]

@@ -62,6 +62,3 @@ def _question(session: Session, found: MotionSession) -> str:
         return ""
     prescription = session.get(Prescription, found.prescription_id)
     return "" if prescription is None else prescription.question
-
-
-__all__ = ["answers_of", "store", "stored_answers"]

@@ -244,18 +244,3 @@ def is_read(words: Words, state: State) -> Any:
     """Whether a reader has read all words and none beyond the last."""
     used_bits = np.int64(state[2]) * 32 - np.int64(state[1])
     return 32 * (len(words) - 1) < used_bits <= 32 * len(words)
-
-
-__all__ = [
-    "State",
-    "Words",
-    "finish",
-    "get",
-    "get_word",
-    "is_read",
-    "put",
-    "put_word",
-    "read_column",
-    "room_words",
-    "write_column",
-]

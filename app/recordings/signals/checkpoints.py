@@ -78,6 +78,3 @@ def load_checkpoint(engine: Engine, session_id: str) -> Checkpoint | None:
 def forget_checkpoints(session: Session, session_ids: Sequence[str]) -> None:
     """Delete the checkpoints of sessions that are closed."""
     session.execute(delete(LiveCheckpoint).where(LiveCheckpoint.session_id.in_(session_ids)))
-
-
-__all__ = ["Checkpoint", "forget_checkpoints", "load_checkpoint", "write_checkpoints"]

@@ -272,18 +272,3 @@ def _no_frames(layout: FrameLayout, time_step_s: float) -> Frames:
         segment_flags=np.empty((0, segments), np.uint8),
         angle_flags=np.empty((0, angles), np.uint8),
     )
-
-
-__all__ = [
-    "MAX_CHUNK_TICKS",
-    "RAW_STREAM",
-    "EncodedChunk",
-    "check_packet",
-    "decode_frames",
-    "decode_packets",
-    "encode_frames",
-    "encode_packets",
-    "frames_stream",
-    "layout_from_dict",
-    "merge_frames",
-]

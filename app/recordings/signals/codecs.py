@@ -115,18 +115,3 @@ def encode_flags(values: NDArray[np.uint8]) -> bytes:
 def decode_flags(data: bytes, rows: int, columns: int) -> NDArray[np.uint8]:
     """Restore `encode_flags`, shape (rows, columns)."""
     return _unshuffle(_decompress(data, rows * columns), rows, columns, np.dtype(np.uint8))
-
-
-__all__ = [
-    "FLOATS_CODEC",
-    "SHUFFLED_COUNTS_CODEC",
-    "DamagedChunkError",
-    "checksum",
-    "decode_counts",
-    "decode_flags",
-    "decode_floats",
-    "decode_integers",
-    "encode_flags",
-    "encode_floats",
-    "encode_integers",
-]

@@ -205,6 +205,3 @@ class Room:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._disk._release(self, is_waiting=error is None)
-
-
-__all__ = ["COUNTED_EVERY_S", "LIVE_SHARE", "DiskUse", "Room"]

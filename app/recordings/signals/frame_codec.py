@@ -216,6 +216,3 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
         slipped=flags[:, whole:] != 0 if has_slipped else None,
         **values,
     )
-
-
-__all__ = ["FLOAT32_FRAMES_CODEC", "FRAMES_CODEC", "pack", "stride_of", "unpack"]

@@ -218,15 +218,3 @@ def unpack_frames(words: Words, table: Table, table_bits: NDArray[np.uint64], fl
         for i in range(rows):
             flags[i, c] = np.uint8(numbers[i])
     return is_read(words, state)
-
-
-__all__ = [
-    "COMPONENT",
-    "METRE",
-    "OTHER",
-    "RADIAN",
-    "SIGMA_METRE",
-    "SIGMA_RADIAN",
-    "pack_frames",
-    "unpack_frames",
-]

@@ -22,6 +22,3 @@ class WriterMetrics:
     last_commit_s: float = 0.0
     """How long the last commit took, encoding included."""
     longest_commit_s: float = 0.0
-
-
-__all__ = ["WriterMetrics"]

@@ -43,6 +43,3 @@ def unpack_packets(words: Words, heads: Numbers, counts: Counts) -> Any:
         for i in range(counts.shape[0]):
             counts[i, c] = np.int16(numbers[i])
     return is_read(words, state)
-
-
-__all__ = ["pack_packets", "unpack_packets"]

@@ -139,6 +139,3 @@ def _insert(dialect_name: str, table: Table) -> Any:
     dialect: Any = postgresql if dialect_name == "postgresql" else sqlite
     # The count is read before the driver's cursor is closed.
     return dialect.insert(table).on_conflict_do_nothing().execution_options(preserve_rowcount=True)
-
-
-__all__ = ["AlreadyStoredError", "insert_chunk", "write_batch", "write_batches"]

@@ -270,14 +270,3 @@ def read_frames(
     layout = layout_from_dict(result.layout)
     parts = list(iterate_frames(session, result, start_s, end_s))
     return merge_frames(parts, layout, stored_step_s(result))
-
-
-__all__ = [
-    "iterate_frames",
-    "read_frames",
-    "read_packets",
-    "read_packets_in_order",
-    "stored_ranges",
-    "stored_step_s",
-    "strides_of",
-]

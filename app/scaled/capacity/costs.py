@@ -96,6 +96,3 @@ def plan(sessions: int, costs: Costs) -> Plan:
         1e-6 * sessions * costs.view_bytes_s,
         1e-12 * 86_400.0 * sessions * lasting,
     )
-
-
-__all__ = ["Costs", "Plan", "plan"]

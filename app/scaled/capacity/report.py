@@ -47,6 +47,3 @@ def capacity(sessions: int, partitions: int) -> None:
     )
     typer.echo(f"  all is worked off          after {max(one.level_s for one in fails):.1f} s")
     typer.echo(f"  the busiest worker then    {max(one.busiest for one in fails):.0%}")
-
-
-__all__ = ["capacity"]

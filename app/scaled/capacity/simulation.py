@@ -110,6 +110,3 @@ def fail(
         level_s = max(level_s, back_s + (more * back_s / left if left > 0.0 else math.inf))
         busiest = max(busiest, float(busy[taker]))
     return Failover(np.array(shown), level_s, busiest)
-
-
-__all__ = ["Failover", "Placement", "fail", "place"]

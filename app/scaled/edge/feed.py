@@ -173,6 +173,3 @@ class FeedBus(MemoryBus):
 
     def _partition(self, session_id: str) -> int:
         return partition_of(session_id, self._broker.partitions)
-
-
-__all__ = ["FeedBus"]

@@ -44,6 +44,3 @@ def forwarding_router() -> APIRouter:
                     route.path, forward, methods=sorted(route.methods or ()), include_in_schema=False
                 )
     return router
-
-
-__all__ = ["forwarding_router"]

@@ -180,6 +180,3 @@ class EdgeIntake:
         """Note that the connection has ended."""
         self._outbox.put(LeftEntry(self.session_id, self.connection))
         self._detached(self)
-
-
-__all__ = ["EdgeIntake"]

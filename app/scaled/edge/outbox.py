@@ -110,6 +110,3 @@ class Outbox:
         except TimeoutError:
             logger.warning("%s: %d entries not sent; gateways hold them", self._subject, len(self._entries))
         self._task.cancel()
-
-
-__all__ = ["Outbox"]

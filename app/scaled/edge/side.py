@@ -151,6 +151,3 @@ class EdgeSide(LiveSide):
         asked = self._broker.seal.close(name, encode(question))
         answer: bytes = (await self._broker.client.request(name, asked, timeout=patience_s)).data
         return answer
-
-
-__all__ = ["EdgeSide"]

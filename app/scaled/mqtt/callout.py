@@ -126,6 +126,3 @@ def callout_of(settings: Settings, engine: Engine, broker: Broker) -> Callout:
         return await asyncio.to_thread(look, ticket)
 
     return Callout(broker, issuer_of(settings), is_open, settings.session_limit_hours * 3600.0)
-
-
-__all__ = ["Callout", "callout_of"]

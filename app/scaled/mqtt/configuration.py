@@ -155,6 +155,3 @@ def _tls(files: str) -> list[str]:
         return []
     certificate, _, key = files.partition(",")
     return [f"tls {{ cert_file: {json.dumps(certificate)}, key_file: {json.dumps(key)} }}"]
-
-
-__all__ = ["GATEWAYS", "SERVICE", "configuration", "issuer_of", "rights_of_edge"]

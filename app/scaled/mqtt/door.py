@@ -163,6 +163,3 @@ def open_door(settings: Settings, broker: Broker, sink: PacketSink) -> MqttDoor:
     """
     most = settings.limit_streams.service
     return MqttDoor(broker, sink, settings.stream_speed, most, settings.drain_seconds)
-
-
-__all__ = ["MqttDoor", "OwnSession", "open_door"]

@@ -65,6 +65,3 @@ def _encoded(content: dict[str, Any]) -> str:
 
 def _text(data: bytes) -> str:
     return base64.urlsafe_b64encode(data).rstrip(b"=").decode()
-
-
-__all__ = ["Issuer", "claims_of"]

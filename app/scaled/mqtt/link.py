@@ -97,6 +97,3 @@ class MqttLink:
         """Send and receive nothing more; the gateway knows it by what was said before."""
         self._state = WebSocketState.DISCONNECTED
         self.left()
-
-
-__all__ = ["MqttLink"]

@@ -174,6 +174,3 @@ class Connections:
         for connection in self._by_session.values():
             connection.end()
         self._by_session.clear()
-
-
-__all__ = ["Connections"]

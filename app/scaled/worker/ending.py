@@ -24,6 +24,3 @@ async def end(tasks: Iterable[asyncio.Task[Any]], again_s: float = AGAIN_S) -> N
         for one in pending:
             one.cancel()
         _, pending = await asyncio.wait(pending, timeout=again_s)
-
-
-__all__ = ["end"]

@@ -199,6 +199,3 @@ class Entries:
         """Open nothing more."""
         for opener in self._openers:
             opener.cancel()
-
-
-__all__ = ["Entries"]

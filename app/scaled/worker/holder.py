@@ -196,6 +196,3 @@ class Worker(SteeredSide):
     async def check_source(self, session_id: str) -> None:
         """Let the source of a session fire only while it is confirmed to be safe."""
         await self._sessions_of(session_id).check_source(session_id)
-
-
-__all__ = ["Worker"]

@@ -343,6 +343,3 @@ class Leases:
 
 def _key(partition: int) -> str:
     return f"partition.{partition}"
-
-
-__all__ = ["Holder", "Leases"]

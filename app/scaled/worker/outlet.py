@@ -97,6 +97,3 @@ class Outlet:
         """Hear nothing more."""
         for wish in self._wishes.values():
             self._bus.remove(wish)
-
-
-__all__ = ["Outlet"]

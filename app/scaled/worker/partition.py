@@ -259,6 +259,3 @@ class Partition:
 
 async def _all(works: Iterable[Awaitable[None]]) -> None:
     await asyncio.gather(*works, return_exceptions=True)
-
-
-__all__ = ["Ask", "Partition"]

@@ -89,6 +89,3 @@ class Post:
                         )
                     except nats.errors.Error as error:
                         logger.warning("messages for views lost: %s", type(error).__name__)
-
-
-__all__ = ["Post"]

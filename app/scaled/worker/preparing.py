@@ -177,6 +177,3 @@ class Preparation:
             return False
         self._found[session.id] = pack(state)
         return True
-
-
-__all__ = ["Preparation"]

@@ -117,6 +117,3 @@ async def others_of(broker: Broker, worker: str) -> set[str]:
             await broker.client.request(subject("alive", name), timeout=ANSWER_S)
             found.add(name)
     return found
-
-
-__all__ = ["WORKER", "Presence", "others_of"]

@@ -91,6 +91,3 @@ class Questions:
         stored = await asyncio.to_thread(repository.load, self._sessions.engine, look.session_id)
         found = await self._sessions.first_messages(stored)
         return encode([pack_message(topic(look.session_id, one.type), one) for one in found])  # type: ignore[attr-defined]
-
-
-__all__ = ["Questions"]

@@ -167,6 +167,3 @@ async def _forget(broker: Broker, partition: int, name: str | None) -> None:
             await broker.streams.delete_consumer(stream_name(partition), name)
     except (nats.errors.Error, StreamError, TimeoutError):
         logger.debug("consumer of partition %d not deleted in %.1f s", partition, time.monotonic() - began_s)
-
-
-__all__ = ["read"]

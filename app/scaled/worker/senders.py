@@ -82,6 +82,3 @@ class Connection:
         """Order nothing more."""
         if self.orders is not None:
             self.orders.cancel()
-
-
-__all__ = ["Connection", "StreamSender"]

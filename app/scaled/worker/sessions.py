@@ -163,6 +163,3 @@ class PartitionSessions(LiveManager):
                     session.lane.leave()
         self._sessions.clear()
         self.end_checks()
-
-
-__all__ = ["OfWorker", "PartitionSessions"]

@@ -394,5 +394,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "caseload.due": "{name}: {dose}",
     "caseload.due_also": "{before}; {name}: {dose}",
 }
-
-__all__ = ["GERMAN"]

@@ -247,5 +247,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " gelten als Vielfache des Feldes, in dem das Magnetometer kalibriert wurde, etwa 45 µT.",
     "guess.unit_from_numbers": "Die Spalten {columns:and} nennen keine Einheit; ihren Zahlen nach ist es {unit:unit}.",
 }
-
-__all__ = ["GERMAN"]

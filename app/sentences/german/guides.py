@@ -121,5 +121,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "guided.wrong": "Andere Bewegung {number}",
     "guided.wrong_in_a_row": "Unterbrochen: mehrere andere Bewegungen hintereinander.",
 }
-
-__all__ = ["GERMAN"]

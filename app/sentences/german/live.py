@@ -131,5 +131,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " keine Pulse abgeben, bis jemand aus der Therapie erneut bestätigt, dass niemand in der Nähe ein"
     " Implantat trägt.",
 }
-
-__all__ = ["GERMAN"]

@@ -105,5 +105,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "movement.raise_forward": "Arm nach vorn heben",
     "movement.raise_sideways": "Arm zur Seite heben",
 }
-
-__all__ = ["GERMAN"]

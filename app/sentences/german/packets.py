@@ -167,5 +167,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "quantity.gyroscope": "Gyroskop",
     "quantity.magnetometer": "Magnetometer",
 }
-
-__all__ = ["GERMAN"]

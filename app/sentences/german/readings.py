@@ -140,5 +140,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " tun, und weder eine andere Einheit noch vertauschte Achsen erklären es. Prüfen Sie zuerst die Abtastrate und die"
     " Zeitstempel, dann, ob Messwerte mehrerer Sensoren vermischt sind, dann Eisen in der Nähe.",
 }
-
-__all__ = ["GERMAN"]

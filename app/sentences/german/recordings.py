@@ -126,5 +126,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "measure_name.repetition.timing_deviation": "Ungleichmäßiges Tempo",
     "measure_name.repetition.units_per_metre": "Bewegungseinheiten je Meter",
 }
-
-__all__ = ["GERMAN"]

@@ -119,5 +119,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "state.ready": "bereit",
     "state.recording": "zeichnet auf",
 }
-
-__all__ = ["GERMAN"]

@@ -182,5 +182,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "triad.accelerometer": "Beschleunigungssensor",
     "triad.gyroscope": "Gyroskop",
 }
-
-__all__ = ["GERMAN"]

@@ -100,5 +100,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "scaled.no_gateways_here": "Gateways verbinden sich mit einem Zugangsrechner (edge), nicht mit einem Arbeitsrechner"
     " (worker).",
 }
-
-__all__ = ["GERMAN"]

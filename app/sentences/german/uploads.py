@@ -92,5 +92,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "viewer.source": "{place:place}: Quelle",
     "viewer.version": "Die 3D-Ansicht kennt die Seite dieser Version von viser nicht; installieren Sie viser 1.1.",
 }
-
-__all__ = ["GERMAN"]

@@ -122,5 +122,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     "measure_name.uneven.step_time": "Schrittdauer, links gegenüber rechts",
     "measure_name.uneven.stride_length": "Doppelschrittlänge, links gegenüber rechts",
 }
-
-__all__ = ["GERMAN"]

@@ -76,5 +76,3 @@ GERMAN: Final[dict[str, str | dict[str, str]]] = {
     " je Sensor, oder keine.",
     "hello.timeout": "Senden Sie innerhalb von {seconds:s} nach dem Verbinden ein Hello.",
 }
-
-__all__ = ["GERMAN"]

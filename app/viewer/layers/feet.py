@@ -168,6 +168,3 @@ def _prints(
                 last = Footprint(start, foot, (x, y, z), heading_of(wxyz[middle, foot]))
                 found.append(last)
     return tuple(sorted(found, key=lambda one: one.tick))
-
-
-__all__ = ["FeetTrack", "Footprint", "feet_of", "has_moved", "heading_of", "support_outline"]

@@ -296,6 +296,3 @@ def _flat_sole(side: str) -> tuple[Float32, NDArray[np.uint32]]:
 def _sided(side: str) -> NDArray[np.float64]:
     """Return the outline of a side, counter-clockwise."""
     return _OUTLINE if side == "left" else (_OUTLINE * [1.0, -1.0])[::-1]
-
-
-__all__ = ["SHOES", "FeetLayer", "shoe_mesh"]

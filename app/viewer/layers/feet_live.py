@@ -135,6 +135,3 @@ class LiveCourse:
             followed[tick] = now
         self._followed = now
         return followed.astype(np.float32)
-
-
-__all__ = ["LiveCourse"]

@@ -114,6 +114,3 @@ def _followed(place: Float32, step_s: float, level_m: float) -> Float32:
             whole, max(1, round(_FOLLOWED_S / step_s)), mode="nearest"
         )
     return middle
-
-
-__all__ = ["MarkerTrack", "markers_of"]

@@ -161,6 +161,3 @@ class _Path:
 def _set_visible(node: Any, on: bool) -> None:
     if node.visible != on:
         node.visible = on
-
-
-__all__ = ["MarkersLayer"]

@@ -87,6 +87,3 @@ class MassNode:
             self._doubt.visible = seen
         if seen:
             self._doubt.scale = spread_m
-
-
-__all__ = ["MassNode", "mass_of"]

@@ -264,6 +264,3 @@ def _add_coil(server: viser.ViserServer, number: int) -> Any:
         thickness=6.0,
         thickness_units="screen",
     )
-
-
-__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "distance_words", "modules_of"]

@@ -38,6 +38,3 @@ def add_seat(server: viser.ViserServer, body: BodyDimensions) -> Any:
     for number, (position, dimensions) in enumerate(boxes):
         server.scene.add_box(f"/seat/{number}", color=_WOOD, dimensions=dimensions, position=position)
     return seat
-
-
-__all__ = ["add_seat", "seat_height_m"]

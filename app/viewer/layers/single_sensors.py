@@ -119,6 +119,3 @@ class SensorLayer:
             colour = palette.LOST if track.lost[tick, number] else _CASE
             if tuple(self._cases[number].color) != colour:
                 self._cases[number].color = colour
-
-
-__all__ = ["HEIGHT_M", "SensorLayer", "SensorTrack", "sensors_of"]

@@ -29,5 +29,3 @@ def words_in(language: ViewLanguage) -> Words:
 
 
 in_english: Final = words_in("en")
-
-__all__ = ["Words", "in_english", "words_in"]

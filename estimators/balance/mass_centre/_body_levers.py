@@ -118,14 +118,3 @@ def stand_in_of(name: str) -> str:
         return STAND_IN[name]
     own = f"{STAND_IN[part]}_{side}"
     return own if own in PLACEMENTS else STAND_IN[part]
-
-
-__all__ = [
-    "HEEL_BEHIND_ANKLE",
-    "HIP_HALF_WIDTH_PER_STATURE",
-    "MIDDLE_TRUNK",
-    "STAND_IN",
-    "BodyLevers",
-    "body_levers",
-    "stand_in_of",
-]

@@ -219,16 +219,3 @@ def _check(force_n: Float, cop_m: Float, rate_hz: float) -> None:
         raise ShapeError("less than a second of force; a centre of mass needs some steps")
     if not (np.isfinite(force_n).all() and np.isfinite(cop_m).all()):
         raise ShapeError("force and pressure centre must be finite; bridge gaps first (total_reaction does)")
-
-
-__all__ = [
-    "PUBLISHED_CUTOFF_HZ",
-    "MassCentre",
-    "acceleration",
-    "integrate_twice",
-    "least_squares_mass_centre",
-    "momentum_anchor",
-    "pressure_only",
-    "published_mass_centre",
-    "vertical_mass_centre",
-]

@@ -208,6 +208,3 @@ def _complete(given: Mapping[str, Float]) -> tuple[dict[str, Float], tuple[str, 
     for name in PLACEMENTS:
         orientation(name)
     return result, tuple(name for name in PLACEMENTS if name in assumed)
-
-
-__all__ = ["SegmentalMassCentre", "segmental_mass_centre"]

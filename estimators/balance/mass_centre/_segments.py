@@ -144,6 +144,3 @@ def mean_segments() -> BodySegments:
         mean(man.centre_share, woman.centre_share),
         (upper, middle, lower),
     )
-
-
-__all__ = ["PAIRED", "SEGMENTS", "BodySegments", "Sex", "body_segments", "mean_segments"]

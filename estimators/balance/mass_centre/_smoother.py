@@ -258,6 +258,3 @@ def _settings(parameters: MassCentreParameters, rate_hz: float) -> Float:
     settings[kernel.ANCHOR2] = parameters.anchor_density**2
     settings[kernel.STANDING2] = parameters.standing_density**2
     return settings
-
-
-__all__ = ["LiveMassCentre", "MassCentreParameters", "smooth_mass_centre"]

@@ -275,13 +275,3 @@ def _checked(placements: Sequence[str]) -> tuple[str, ...]:
             + (", ".join(worn) or "none")
         )
     return worn
-
-
-__all__ = [
-    "MASS_POINT",
-    "MASS_SCALARS",
-    "WornBodyParameters",
-    "WornMassCentre",
-    "WornMassCentreResult",
-    "has_mass_centre",
-]

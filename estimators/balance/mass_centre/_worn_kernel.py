@@ -151,6 +151,3 @@ def mass_centre(
         scalar[k, first + SIGMA_AHEAD] = math.sqrt(ahead2)
         scalar[k, first + SIGMA_LEFT] = math.sqrt(left2)
         scalar[k, first + SIGMA_UP] = math.sqrt(up2)
-
-
-__all__ = ["SETTINGS", "SOURCES", "TARGETS", "mass_centre"]

@@ -41,6 +41,3 @@ def device_iron(field_t: Float) -> Float | None:
     sigma = float(np.sqrt(np.linalg.eigvalsh(fit.covariance[:3, :3]).max()))
     is_found = _EARTH_T[0] < radius < _EARTH_T[1] and fit.residual < _MOST_RESIDUAL and sigma < _MOST_SIGMA
     return fit.centre if is_found else None
-
-
-__all__ = ["device_iron"]

@@ -108,6 +108,3 @@ class Dip:
 def _differ(sines: Float) -> bool:
     found = np.median(sines)
     return bool(abs(found) <= _SURE * np.quantile(np.abs(sines - found), _MOST))
-
-
-__all__ = ["Dip"]

@@ -212,12 +212,3 @@ def _symmetric(six: Float) -> Float:
 
 
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]) / np.sqrt(3.0)
-
-__all__ = [
-    "UNKNOWN_SHAPE_SIGMA",
-    "EllipsoidFit",
-    "align_with_gravity",
-    "fit_ellipsoid",
-    "fit_sphere",
-    "mean_direction_sigma",
-]

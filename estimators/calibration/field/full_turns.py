@@ -86,6 +86,3 @@ def judge_turns(turns: Sequence[FullTurn]) -> tuple[float, list[Sentence]]:
                 else say("six_position.turn_doubt_under", axis=axis, error=-error)
             )
     return factor, reasons
-
-
-__all__ = ["AXES", "FullTurn", "best_turns", "doubted_turns", "judge_turns", "refuse_doubted"]

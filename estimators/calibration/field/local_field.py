@@ -145,6 +145,3 @@ def quiet_up(accelerometer_mps2: Float) -> Float:
     with np.errstate(invalid="ignore"):
         quiet = np.abs(size / GRAVITY_MPS2 - 1.0) < _QUIET
     return np.where(quiet, accelerometer_mps2 / np.maximum(size, 1e-9), np.nan)
-
-
-__all__ = ["EARTH_NORM_T", "LocalField", "field_of", "local_field", "odd_fields", "quiet_up"]

@@ -323,11 +323,3 @@ def _finish(
         score,
         tuple(reasons),
     )
-
-
-__all__ = [
-    "IronMethod",
-    "MagnetometerCollector",
-    "MagnetometerProgress",
-    "MagnetometerResult",
-]

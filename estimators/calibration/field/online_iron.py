@@ -144,6 +144,3 @@ class OnlineHardIron:
         self._turn = np.array(state["turn"], dtype=np.float64)
         self._start = np.array(state["start"], dtype=np.float64)
         self._used = np.array(state["used"], dtype=np.int64)
-
-
-__all__ = ["OnlineHardIron"]

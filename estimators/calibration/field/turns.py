@@ -101,6 +101,3 @@ def circle_fit(field: Float, accelerometer_mps2: Float | None = None) -> Magneto
         score,
         tuple(reasons),
     )
-
-
-__all__ = ["circle_fit"]

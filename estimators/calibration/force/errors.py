@@ -200,6 +200,3 @@ def _model(up: Float) -> tuple[Float, Float]:
     scales = GRAVITY_MPS2 * up[:, :, None] * np.eye(3)
     offsets = np.broadcast_to(np.eye(3), scales.shape)
     return np.concatenate((scales, offsets), axis=2), np.eye(3) - np.einsum("ki,kj->kij", up, up)
-
-
-__all__ = ["ForceErrors", "force_errors"]

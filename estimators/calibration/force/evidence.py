@@ -110,6 +110,3 @@ def _said_once(windows: Windows) -> NDArray[np.bool_]:
     up, still = windows.up[:, 1], windows.turned < STILL
     same = (up @ up.T > _SAME_REST) & still[:, None] & still
     return np.asarray(~np.tril(same, -1).any(axis=1))
-
-
-__all__ = ["ForceEvidence"]

@@ -109,6 +109,3 @@ def correction(name: str, errors: ForceErrors, dip_rad: float) -> Correction:
         sigma_rad=math.sqrt(2.0) * tilt,
     )
     return Correction(device, message, is_uncalibrated(errors))
-
-
-__all__ = ["Correction", "correction", "is_found", "is_uncalibrated"]

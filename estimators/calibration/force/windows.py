@@ -297,6 +297,3 @@ def _changes(turned: Float, step_s: float) -> Float:
     ]
     mean, square = ((total[:, stop] - total[:, first]) / (stop - first)[:, None] for total in sums)
     return np.asarray(np.maximum(square - mean**2, 0.0).sum(axis=2))
-
-
-__all__ = ["BESIDE", "ERRORS", "SIZE", "STILL", "Cut", "Windows", "cut", "summed"]

@@ -287,6 +287,3 @@ def _limb(upper: Placement, found: Calibration) -> set[Placement]:
     parts = ("upper_arm", "forearm", "hand") if upper.startswith("upper_arm") else ("thigh", "shank", "foot")
     side = upper.rpartition("_")[2]
     return {p for p in found.q_sensor_segment if p in {f"{part}_{side}" for part in parts}}
-
-
-__all__ = ["CONTRADICTED_SCORE", "JUDGED", "Postures", "has_impossible", "judged_by_movement"]

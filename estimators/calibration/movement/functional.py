@@ -356,6 +356,3 @@ def _implied_facing(name: str, axis: AxisEstimate) -> float:
     if name.startswith("raise_forward"):
         return wrapped(heading + 0.5 * math.pi)
     return wrapped(heading if name.endswith("left") else heading + math.pi)
-
-
-__all__ = ["KINDS", "FunctionalResult", "functional"]

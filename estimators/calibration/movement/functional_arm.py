@@ -177,6 +177,3 @@ def _proximal(axis: Float, up: Float, arm: ArmMovements, flexion: AxisEstimate) 
     height = rotation.rotate(arm.q[fore, "elbow_flexion"], axis)[:, 2]
     covariance = float(np.mean((bent - bent.mean()) * (height - height.mean())))
     return axis * (-1.0 if covariance > 0.0 else 1.0)
-
-
-__all__ = ["ArmFrames", "ArmMovements", "arm_frames"]

@@ -131,6 +131,3 @@ def limb_of(side: Side) -> tuple[Placement, Placement, Placement]:
     if side == "left":
         return "upper_arm_left", "forearm_left", "hand_left"
     return "upper_arm_right", "forearm_right", "hand_right"
-
-
-__all__ = ["JudgedSession", "limb_of", "upper_arm_of"]

@@ -208,14 +208,3 @@ def _across(axis: Float) -> Float:
 
 def _unit(vector: Float) -> Float:
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-__all__ = [
-    "SKIN_RAD",
-    "AxisEstimate",
-    "frame_from",
-    "heading_between",
-    "principal_axis",
-    "refine_two_axes",
-    "sigma_about_axes",
-]

@@ -222,17 +222,3 @@ def raisings(names: Sequence[str], q_room_segment: Float, step_s: float) -> tupl
         for side in SIDES
         if f"upper_arm_{side}" in names
     )
-
-
-__all__ = [
-    "BENT_RAD",
-    "HINGES",
-    "LEAST_S",
-    "Bending",
-    "Hinge",
-    "Raising",
-    "bendings",
-    "bent",
-    "raised",
-    "raisings",
-]

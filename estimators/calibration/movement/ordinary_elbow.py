@@ -233,6 +233,3 @@ def _soft(values: Float) -> Float:
 
 def _beyond(angle: Float, limits: tuple[float, float]) -> Float:
     return np.maximum(angle - limits[1], 0.0) + np.maximum(limits[0] - angle, 0.0)
-
-
-__all__ = ["OrdinaryElbow", "elbow_from_movement"]

@@ -229,15 +229,3 @@ def resting_rate(rate: Float, force: Float, size: float, step_s: float) -> Float
     offset = np.median(means[still], axis=0)
     fastest = float(np.percentile(np.linalg.norm(sound, axis=1), 99.0))
     return np.asarray(offset if np.linalg.norm(offset) < _MOST_OFFSET * fastest else np.zeros(3))
-
-
-__all__ = [
-    "HOP",
-    "WINDOW_S",
-    "Evidence",
-    "gather",
-    "resting_rate",
-    "slowed",
-    "slowed_by",
-    "turning",
-]

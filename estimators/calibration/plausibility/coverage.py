@@ -46,5 +46,3 @@ def next_turn(directions: Float, visited: NDArray[np.bool_], is_complete: bool) 
 
 
 DIRECTIONS: Final = even_directions(_BINS)
-
-__all__ = ["DIRECTIONS", "even_directions", "next_turn", "visited_directions"]

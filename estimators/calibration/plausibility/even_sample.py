@@ -46,6 +46,3 @@ class EvenSample:
 
     def _rows(self) -> Float:
         return np.frombuffer(self._numbers).reshape(-1, self._width)
-
-
-__all__ = ["EvenSample"]

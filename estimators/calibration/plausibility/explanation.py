@@ -183,6 +183,3 @@ def _is_clear(costs: dict[Triad, Float], near: dict[Triad, tuple[int, int]], bes
         # As they are, the readings do worse already.
         others[triad][0, 0] = np.inf
     return min(float(cost.min()) for cost in others.values()) > best + _NEAR
-
-
-__all__ = ["CERTAIN", "DOUBT", "Explanation", "Triad", "explain"]

@@ -103,6 +103,3 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
     if len(kinds) > most:
         stated.append(say("readings.more", count=len(kinds) - most))
     return CATALOGUE.together(stated)
-
-
-__all__ = ["Finding", "FindingCode", "Hemisphere", "Severity", "TwoLooks", "in_words"]

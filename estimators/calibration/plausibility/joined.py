@@ -45,6 +45,3 @@ class Joined:
     def forget(self) -> None:
         """Begin anew: what comes next does not adjoin what came."""
         self._slow = self._over = None
-
-
-__all__ = ["Joined"]

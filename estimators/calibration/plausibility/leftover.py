@@ -260,6 +260,3 @@ def _smoothed(values: Float, reach: int) -> Float:
     at = np.arange(values.shape[1])
     first, stop = np.maximum(at - reach, 0), np.minimum(at + reach + 1, values.shape[1])
     return np.asarray((total[:, stop] - total[:, first]) / (stop - first))
-
-
-__all__ = ["of_field", "of_field_at", "of_force", "of_force_at"]

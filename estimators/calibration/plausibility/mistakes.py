@@ -33,5 +33,3 @@ SCALES: Final = (
     1e-6,
 )
 """What a gyroscope may have to be multiplied with: units taken for one another, and lost prefixes."""
-
-__all__ = ["IS_PROPER", "SCALES", "SIGNED_PERMUTATIONS"]

@@ -80,6 +80,3 @@ def pace_of(gravity: Moved, earth: Moved, step_s: float, as_they_are: Float) -> 
                 best, least = one, found
     # At the end of what was tried nothing fits: the gyroscope is only ignored.
     return best if NEAREST < max(best, 1.0 / best) < _FARTHEST / _STEP else 1.0
-
-
-__all__ = ["FITS", "NEAREST", "Moved", "at_pace", "pace_of"]

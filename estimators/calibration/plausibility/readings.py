@@ -241,6 +241,3 @@ def _at_rest(turning: Float) -> tuple[float, float]:
     alike = (apart[:, 1:] * apart[:, :-1]).sum(axis=(1, 2)) / np.maximum(square, 1e-300)
     noise = float(np.median(np.sqrt(square / turning.shape[1])))
     return rest if is_even else 0.0, noise if np.median(alike) < _WHITE else 0.0
-
-
-__all__ = ["Readings"]

@@ -165,6 +165,3 @@ def check_recording(
     for first, stop in pairwise(bounds):
         check.add(chunk.ticks(first, stop))
     return check.findings
-
-
-__all__ = ["STRETCH_S", "RecordingCheck", "check_recording"]

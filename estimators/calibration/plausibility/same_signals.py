@@ -108,6 +108,3 @@ def _alike(changes: Float, share: float) -> tuple[NDArray[np.bool_], NDArray[np.
     stated = moved[:, None] | moved[None, :]
     others = ~np.eye(sensors, dtype=np.bool_)
     return alike & stated & others, stated & others
-
-
-__all__ = ["check_distinct", "same_signals"]

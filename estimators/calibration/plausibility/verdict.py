@@ -338,6 +338,3 @@ def _mapping(mapping: Float) -> list[str]:
         for k, axis in enumerate("xyz")
         if mapping[k, k] != 1.0
     ]
-
-
-__all__ = ["BESIDE_CORRECTION", "Verdict"]

@@ -112,6 +112,3 @@ def _ways(time_s: Float, holds: Stood, ahead: Float) -> Float:
     pointing = ahead[:, :2] / np.maximum(np.linalg.norm(ahead[:, :2], axis=1), 1e-9)[:, None]
     found: Float = np.where((length < _MOVED_M)[stride, None], pointing, way)
     return found
-
-
-__all__ = ["HEIGHT_SIGMA_M", "SPEED_SIGMA_MPS", "Stood", "foot_trajectory"]

@@ -83,6 +83,3 @@ def _size(channel: str, value: float) -> Sentence:
     if unit == "m/s":
         return say("size.speed", value_mps=value)
     return say("size.angle", value_rad=value) if unit == "rad" else say("size.length", value_m=value)
-
-
-__all__ = ["odd_strides", "other_pace", "other_range", "strides_left_band"]

@@ -78,13 +78,3 @@ def mirror_template(template: Template) -> Template:
         measures={mirrored_name(name): value for name, value in template.measures.items()},
         measure_sd={mirrored_name(name): value for name, value in template.measure_sd.items()},
     )
-
-
-__all__ = [
-    "changes_sign",
-    "check_side",
-    "mirror_template",
-    "mirror_trajectory",
-    "mirrored_name",
-    "other_side",
-]

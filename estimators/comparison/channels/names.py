@@ -96,6 +96,3 @@ def tells_movement(channel: str) -> bool:
     judged, but do not say how far a movement has come. All channels of a stride do.
     """
     return _TELLING.fullmatch(channel) is not None or is_of_stride(channel)
-
-
-__all__ = ["channel_label", "channel_name", "channel_unit", "foot_channels", "is_of_stride", "tells_movement"]

@@ -179,14 +179,3 @@ def fill_gaps(values: Float) -> tuple[Float, NDArray[np.bool_]]:
             good = sound[:, column]
             filled[:, column] = np.interp(ticks, ticks[good], values[good, column])
     return filled, usable
-
-
-__all__ = [
-    "TRUNK_CHANNELS",
-    "SideChannels",
-    "fill_gaps",
-    "is_compensation",
-    "limb_measured",
-    "not_measured",
-    "side_channels",
-]

@@ -124,6 +124,3 @@ def segments_behind(channel: str) -> tuple[str, ...]:
     if channel.startswith("wrist_"):
         return tuple(chain[:3])
     return tuple(chain)
-
-
-__all__ = ["UNUSABLE", "leaning_channel", "leaning_segments", "legs_forward", "segments_behind", "trajectory"]

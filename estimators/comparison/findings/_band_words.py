@@ -140,6 +140,3 @@ def range_changed(channel: str, difference: Difference) -> Sentence:
         value_rad=difference.value,
         reference_rad=difference.reference,
     )
-
-
-__all__ = ["compensation", "main_left_band", "others_left_band", "range_changed"]

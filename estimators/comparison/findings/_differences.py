@@ -81,6 +81,3 @@ def other_range_of(
     if not is_primary and difference.reference < 2 * least and difference.excess < 0:
         return None
     return difference
-
-
-__all__ = ["LEAST_RANGE", "LEAST_SHARE", "Difference", "difference_of", "least_of", "other_range_of"]

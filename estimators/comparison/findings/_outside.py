@@ -134,6 +134,3 @@ def _names(places: NDArray[np.intp], template: Template) -> tuple[str, ...]:
         for one in template.phases
         if np.mean((share >= one.start) & (share <= one.end)) >= _LEAST_OF_PHASE
     )
-
-
-__all__ = ["Outside", "outside_band"]

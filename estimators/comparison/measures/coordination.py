@@ -184,12 +184,3 @@ def multiple_correlation(curves: Float) -> MultipleCorrelation:
         rms=float(np.sqrt(apart / curves.size)),
         extent=float(np.ptp(mean)),
     )
-
-
-__all__ = [
-    "Coordination",
-    "MultipleCorrelation",
-    "interjoint_coordination",
-    "interjoint_coordinations",
-    "multiple_correlation",
-]

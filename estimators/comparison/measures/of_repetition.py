@@ -204,6 +204,3 @@ def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: 
 def _typical(sigma: Float) -> float:
     known = sigma[np.isfinite(sigma)]
     return float(np.median(known)) if len(known) else _UNKNOWN
-
-
-__all__ = ["JOINT_FLOOR_RAD", "coordination_measures", "stroke_measures", "units_measure"]

@@ -80,6 +80,3 @@ def _jackknife(left_out: Sequence[float]) -> float:
         return float("nan")
     values = np.asarray(left_out)
     return float(np.sqrt((count - 1) / count * np.sum((values - values.mean()) ** 2)))
-
-
-__all__ = ["TOGETHER", "likeness_measures"]

@@ -76,6 +76,3 @@ def superimpose(path: Float, onto: Float) -> Superposition:
         scale=scale,
         is_straight=is_straight,
     )
-
-
-__all__ = ["Superposition", "superimpose"]

@@ -62,6 +62,3 @@ def _turned(r: Float, sigma_rad: Float) -> Float:
     return np.stack(
         [about_y * z + about_z * y, about_z * x + about_x * z, about_x * y + about_y * x], axis=-1
     )
-
-
-__all__ = ["ARM_POINTS", "place_sigma"]

@@ -149,12 +149,3 @@ def time_to_peak_speed(speed: Float) -> float:
     bend = before - 2.0 * here + after
     shift = 0.5 * (before - after) / bend if bend < 0 else 0.0
     return float((peak + shift) / (len(speed) - 1))
-
-
-__all__ = [
-    "log_dimensionless_jerk",
-    "log_dimensionless_jerks",
-    "outward_stroke",
-    "time_to_peak_speed",
-    "units_per_metre",
-]

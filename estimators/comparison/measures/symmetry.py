@@ -52,6 +52,3 @@ def symmetry_angle(left: float, right: float, sigma: float = 0.0) -> float:
 def _is_known(one: float, other: float, sigma: float) -> bool:
     least = min(one, other)
     return bool(np.isfinite(one + other) and least > 0 and least >= _SIGMAS * sigma)
-
-
-__all__ = ["symmetry_angle", "symmetry_ratio"]

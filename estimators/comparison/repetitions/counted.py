@@ -38,6 +38,3 @@ def _shared(one: Repetition, other: Repetition) -> float:
     inside = min(one.end_s, other.end_s) - max(one.start_s, other.start_s)
     around = max(one.end_s, other.end_s) - min(one.start_s, other.start_s)
     return max(0.0, inside) / around if around > 0.0 else 0.0
-
-
-__all__ = ["counted_repetitions"]

@@ -127,6 +127,3 @@ def _spread(stays: NDArray[np.int64], path: Path) -> float:
     away = np.linalg.norm(postures - drift @ even, axis=1)
     # Two numbers a coordinate are spent on the drift; two repetitions have three bounds at least.
     return float(np.median(away) * np.sqrt(len(away) / (len(away) - 2.0))) / path.size
-
-
-__all__ = ["Evidence", "evidence", "rested_at_the_ends"]

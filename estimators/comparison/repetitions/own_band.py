@@ -40,6 +40,3 @@ def leaves_band(template: Template, repetitions: Sequence[Float]) -> list[tuple[
     left = (found > 0.0).sum(axis=1) >= _LEAST
     most = found.max(axis=(0, 1), initial=0.0)
     return [(int(left[:, column].sum()), float(most[column])) for column in range(len(template.channels))]
-
-
-__all__ = ["leaves_band"]

@@ -81,6 +81,3 @@ def _shares_of_time(matches: NDArray[np.int64], path: Path) -> Float:
             parts.append([np.log(max(float(part.mean()), 0.1)) for part in np.array_split(stay, _PARTS)])
     shares = np.array(parts).reshape(-1, _PARTS)
     return np.asarray(shares - shares.mean(axis=1, keepdims=True))
-
-
-__all__ = ["in_pairs"]

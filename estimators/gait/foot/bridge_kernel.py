@@ -70,6 +70,3 @@ def add_bridge_noise(
                     jolt = max(jolt, abs(accelerometer_mps2[j, axis] - accelerometer_mps2[j - lag, axis]))
             rate_variance[k - first, axis] += turning * turning * grown
         force_variance[k - first] += jolt * jolt * grown
-
-
-__all__ = ["BESIDE_S", "add_bridge_noise"]

@@ -116,17 +116,3 @@ def root(values: Float) -> Float:
 def is_usable_rate(rate_hz: float) -> bool:
     """Whether a foot can be followed at this rate."""
     return math.isfinite(rate_hz) and 30.0 <= rate_hz <= 2000.0
-
-
-__all__ = [
-    "NO_FIELD",
-    "START_S",
-    "Records",
-    "is_usable_rate",
-    "level",
-    "rate_of",
-    "root",
-    "settings_of",
-    "start_covariance",
-    "start_state",
-]

@@ -112,6 +112,3 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     )
     is_missing = merged(measured, is_long.astype(np.float64)) > 0.0
     return FilledSignals(filled, merged(measured, length), is_missing, fine_hz, lag)
-
-
-__all__ = ["FilledSignals", "fill_gaps"]

@@ -273,6 +273,3 @@ def backward(first: int, wanted: int, stop: int, trace: Trace, adjoint: Float, s
         adjoint[_EQ + 2] += h * (fx * wy - fy * wx)
         for i in range(3):
             adjoint[_EV + i] += h * adjoint[i]
-
-
-__all__ = ["FootState", "FootTicks", "Trace", "backward", "forward"]

@@ -195,6 +195,3 @@ class LostPlace:
         m[YAW2] = 0.0 if has_field else m[YAW2] + yaw2
         m[ORIGIN : ORIGIN + 3] = position_m
         m[LOST] = 1.0
-
-
-__all__ = ["MEMORY", "LostPlace", "begin_anew", "gap_lengths", "long_gap_ticks", "lost_yaw_rad"]

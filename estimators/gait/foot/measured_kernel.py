@@ -141,6 +141,3 @@ def surprise(p: Float, rows: Float, residual: Float, variance: Float) -> float:
     e1 = (residual[1] - l10 * e0) / l11
     e2 = (residual[2] - l20 * e0 - l21 * e1) / l22
     return float(e0 * e0 + e1 * e1 + e2 * e2)
-
-
-__all__ = ["measured_rows", "surprise"]

@@ -162,6 +162,3 @@ def with_clips(signals: SensorSignals, parameters: FootParameters) -> FootParame
         if watch.level is not None and watch.level < given:
             found[name] = watch.level
     return replace(parameters, **found) if found else parameters
-
-
-__all__ = ["LEAST_RANGE", "FootParameters", "foot_parameters", "with_clips"]

@@ -58,6 +58,3 @@ def stood(doubtful: list[tuple[int, int]], velocity_mps: Float) -> list[tuple[in
     """
     speed = np.linalg.norm(velocity_mps, axis=1)
     return [(a, b) for a, b in doubtful if float(speed[a:b].min()) < _MOVES_MPS]
-
-
-__all__ = ["doubtful_stances", "stood"]

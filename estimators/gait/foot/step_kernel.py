@@ -118,6 +118,3 @@ def move(x: Float, gyroscope: Float, memory: Float, h: float, step: Float) -> No
         x[_P + i] += x[_V + i] * h + 0.5 * acceleration * h * h
         x[_V + i] += acceleration * h
     x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3] = normalized(qw, qx, qy, qz)
-
-
-__all__ = ["correct", "matrix_of", "move", "spread_on"]

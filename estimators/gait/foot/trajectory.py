@@ -285,6 +285,3 @@ class _Run:
         bits = lost * FootFlag.NO_STANCE + clipped * FootFlag.SATURATED + missing * FootFlag.INVALID
         bits = bits + (filled & ~missing) * FootFlag.BRIDGED
         return np.asarray(bits, dtype=np.uint8)
-
-
-__all__ = ["COAST_S", "LOST_SIGMA_MPS", "FootFlag", "FootTrajectory", "smooth"]

@@ -86,6 +86,3 @@ def _height(foot: Strides) -> float:
     usual = float(np.median(height_m[1:-1]))
     # What drifts comes little by little.
     return usual if height_m[1] > _AT_ONCE * usual else 0.0
-
-
-__all__ = ["carried_foot", "without_carried"]

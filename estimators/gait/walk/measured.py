@@ -131,6 +131,3 @@ def difference(left: Measure, right: Measure) -> Measure:
     shared = max(left.shared, right.shared)
     sigma = float(np.sqrt(own[0] + own[1] + shared**2) / abs(mean)) if mean else float("nan")
     return Measure(value, sigma, float("nan"), min(left.count, right.count), "1")
-
-
-__all__ = ["NATURAL", "NATURAL_SHARE", "Measure", "difference", "measure", "variation"]

@@ -145,6 +145,3 @@ def _heights(feet: Mapping[Side, Strides]) -> list[str]:
             if abs(rise) > _RISE_M
         ]
     return []
-
-
-__all__ = ["walk_reasons"]

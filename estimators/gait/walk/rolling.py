@@ -74,6 +74,3 @@ def _pushes(signals: SensorSignals, first: int, stop: int, step_s: float) -> NDA
 
 def _smooth(values: Float, width: float) -> Float:
     return np.asarray(scipy.ndimage.gaussian_filter1d(values, width, axis=0))
-
-
-__all__ = ["rolled_s"]

@@ -173,6 +173,3 @@ def _pitch(trajectory: FootTrajectory, holds: Footholds, k: int, swing: slice, f
 
 def _wrapped(angle: float) -> float:
     return float((angle + np.pi) % (2.0 * np.pi) - np.pi)
-
-
-__all__ = ["SWING", "derivatives", "swing_of", "went_backward"]

@@ -63,6 +63,3 @@ def _half_cycles(time_s: Float, rate_radps: Float) -> int:
         row = row + 1 if is_beat else 0
         most = max(most, row)
     return most
-
-
-__all__ = ["trembles"]

@@ -104,6 +104,3 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
         CueRule("fast", "guidance.slower", tolerance=1.45, hold_s=0.0, priority=6),
         CueRule("slow", "guidance.quicker", tolerance=1.5, hold_s=0.0, priority=7),
     )
-
-
-__all__ = ["DEFAULT_STOPS", "PRAISE", "SENTENCES", "default_rules", "range_limits"]

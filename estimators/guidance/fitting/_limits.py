@@ -67,6 +67,3 @@ def proposed_limit(channel: str, side: str, values: Float) -> float:
     sign = 1.0 if side == "above" else -1.0
     outward = sign * farthest(side, values) + margin
     return sign * float(np.ceil(outward / step - 1e-9)) * step
-
-
-__all__ = ["farthest", "is_broken", "least_room", "nearest_limit", "proposed_limit"]

@@ -32,6 +32,3 @@ def mirror_stop_rule(rule: StopRule) -> StopRule:
         limit=-rule.limit if turns else rule.limit,
         side=_STOP_ACROSS[rule.side] if turns else rule.side,
     )
-
-
-__all__ = ["mirror_cue_rule", "mirror_stop_rule"]

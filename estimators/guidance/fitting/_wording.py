@@ -51,6 +51,3 @@ def _goes_forward(channels: Sequence[str], mean: Float) -> bool:
         if np.isfinite(raised).any():
             return bool(abs(mean[int(np.nanargmax(raised)), number]) >= _FRONT_RAD)
     return False
-
-
-__all__ = ["Posture", "fitting_sentence"]

@@ -172,6 +172,3 @@ class Following:
         self._tracked_s = 0.0
         self.leave()
         self._guide.resume()
-
-
-__all__ = ["Following"]

@@ -165,6 +165,3 @@ class Picking:
             # The first was checked; what comes with this layout is of the same types.
             self._write = unchecked(_pick)
         return values, sigma
-
-
-__all__ = ["Picking"]

@@ -49,6 +49,3 @@ class Settling:
             return None
         is_still = bool((np.ptp(seen[:, known], axis=0) < self._limits[known]).all())
         return (rest, doubt) if is_still or self._waited >= self._patience else None
-
-
-__all__ = ["Settling"]

@@ -165,6 +165,3 @@ def decide(
         counters[_PENDING] = coil
         counters[_REQUESTED] = counters[_TICK]
         counters[_LAST_REQUEST] = counters[_TICK]
-
-
-__all__ = ["choose", "choose_current", "decide", "score_after"]

@@ -106,6 +106,3 @@ def judge_moment(settings: Float, memory: Float, counters: NDArray[np.int64], ou
         for j in _POSE_ERRORS:
             out[column] += variance * a * memory[_V + j]
             column += 1
-
-
-__all__ = ["carry_sensitivity", "judge_moment", "learn_moment"]

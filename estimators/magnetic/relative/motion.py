@@ -237,15 +237,3 @@ def inject(nominal: Float, error: Float) -> None:
     )
     q = normalized(q[0], q[1], q[2], q[3])
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
-
-
-__all__ = [
-    "add_skew",
-    "corrected",
-    "cross",
-    "dynamics",
-    "inject",
-    "mechanise",
-    "predict",
-    "relax",
-]

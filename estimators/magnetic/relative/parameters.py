@@ -214,6 +214,3 @@ def _check_length(settings: Float) -> None:
     longest = settings[at.START_ON_TICKS] + settings[at.START_OFF_TICKS] + 60
     if longest >= at.RING or settings[at.ON_TICKS] + settings[at.OFF_TICKS] + 60 >= at.RING:
         raise SetupError("a pulse and its baseline must be shorter than 66 samples")
-
-
-__all__ = ["SPARING_PARAMETERS", "RelativePoseParameters", "read", "to_settings"]

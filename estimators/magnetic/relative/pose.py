@@ -310,6 +310,3 @@ class RelativePoseFilter(ArrayFilter):
         self._counters[at.PHASE] = at.TRACK
         self._counters[at.STARTED] = 1
         self._counters[at.RESTARTED] += 1
-
-
-__all__ = ["EnergyAccount", "RelativeChunk", "RelativeFlag", "RelativePoseFilter", "RelativeResult"]

@@ -338,6 +338,3 @@ def predict_path(
     for i in range(3):
         for j in range(3):
             h[i, _EP + j] = gradient[i, 0] * x[0][j] + gradient[i, 1] * x[1][j] + gradient[i, 2] * x[2][j]
-
-
-__all__ = ["expected_variance", "predict_path", "predict_pulse", "pulse_value"]

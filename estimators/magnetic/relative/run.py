@@ -331,6 +331,3 @@ def run(
         if counters[_EVENT] > 0:
             return k + 1
     return len(samples)
-
-
-__all__ = ["run", "tick"]

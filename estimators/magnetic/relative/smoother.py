@@ -190,6 +190,3 @@ def _redistribute(
             spread[last + 1 : k] += share[:, None] ** 2 * correction
         last = int(k)
     return spread
-
-
-__all__ = ["SmoothedPose", "smooth_relative_pose", "smooth_table"]

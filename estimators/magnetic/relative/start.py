@@ -321,6 +321,3 @@ def _plausible(
     turned = rotation.rotate(fix.q_source_sensor, sensor)
     cosine = float(turned @ worn / (np.linalg.norm(turned) * np.linalg.norm(worn)))
     return math.acos(min(1.0, max(-1.0, cosine))) < limit + 3.0 * own
-
-
-__all__ = ["start_from_burst"]

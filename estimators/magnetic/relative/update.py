@@ -217,6 +217,3 @@ def update_inclination(
     inject(nominal, correction)
     learn_moment(p, h, noise, gain, innovation, np.zeros(3), memory)
     joseph(p, h, noise, gain, work)
-
-
-__all__ = ["UNSEEN", "innovate", "update_inclination", "update_pulse"]

@@ -271,17 +271,3 @@ def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) 
             if place > settings[_UNCERTAIN_P] ** 2 or turn > settings[_UNCERTAIN_A] ** 2:
                 flags |= UNCERTAIN
     return flags
-
-
-__all__ = [
-    "account",
-    "affordable",
-    "at_rest",
-    "calibrate",
-    "gather",
-    "keep_pulse",
-    "quasi_static",
-    "retreat",
-    "tell",
-    "watch_field",
-]

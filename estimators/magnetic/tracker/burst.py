@@ -305,13 +305,3 @@ def _misfit(off: Float, rows: Float, spread: Float) -> float:
 
 _PASSES = 2
 """The second uses the pose of the first for what the turn of the source does to it; what is left is negligible."""
-
-__all__ = [
-    "BurstNoise",
-    "BurstPath",
-    "CarriedFix",
-    "ModuleSignals",
-    "burst_path",
-    "locate_moving",
-    "pulse_covariance",
-]

@@ -166,6 +166,3 @@ def _alone(
         saturated=any(pulse.saturated for pulse in burst),
         limits=limits,
     )
-
-
-__all__ = ["FollowedBurst", "follow_bursts", "middle_tick"]

@@ -281,6 +281,3 @@ def _settings(p: TrackerFusionParameters, time_step_s: float) -> Float:
     ):
         settings[position] = value
     return settings
-
-
-__all__ = ["TrackerFusion", "TrackerFusionChunk", "TrackerFusionParameters", "TrackerFusionResult"]

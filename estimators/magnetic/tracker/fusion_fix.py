@@ -272,6 +272,3 @@ def start(
     counters[_STREAK] = 0
     counters[_SINCE] = 0
     counters[_RESTARTED] += 1
-
-
-__all__ = ["correct", "fix_noise", "solved_velocity", "start", "use_fix", "velocity_effect"]

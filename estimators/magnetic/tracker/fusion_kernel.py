@@ -209,6 +209,3 @@ def predict(
         for j in range(6):
             p[_EQ + i, _EQ + j] += white[i, j]
     symmetrise(p)
-
-
-__all__ = ["inject", "predict", "propagate", "relative_rate"]

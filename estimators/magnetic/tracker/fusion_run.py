@@ -172,6 +172,3 @@ def backward(
         difference(smoothed[k + 1], state, error)
         if step_back(smoothed_covariance[k], a, prior, smoothed_covariance[k + 1], error, moved, work):
             inject(smoothed[k], moved)
-
-
-__all__ = ["backward", "report", "run"]

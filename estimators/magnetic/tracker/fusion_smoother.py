@@ -39,6 +39,3 @@ def smooth_tracker_fusion(
         q_source = held[k, at.SOURCE_ATTITUDE : at.SOURCE_ATTITUDE + 4]
         report(smoothed[k], np.ascontiguousarray(q_source), smoothed_covariance[k], after[k])
     return TrackerFusionResult.of_table(after), TrackerFusionResult.of_table(out)
-
-
-__all__ = ["smooth_tracker_fusion"]

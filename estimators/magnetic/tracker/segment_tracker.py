@@ -339,6 +339,3 @@ def _nothing(flags: TrackerFlag, ratio: float) -> Fix:
         ratio,
         flags | TrackerFlag.NO_SOLUTION,
     )
-
-
-__all__ = ["Fix", "TrackerFlag", "TrackerLimits", "locate", "most_chi_square"]

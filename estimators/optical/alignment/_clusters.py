@@ -325,12 +325,3 @@ def _refined(
         if abs(change[0]) < 1e-7 and abs(change[1]) < 1e-9:
             break
     return x, np.sqrt(np.maximum(np.diag(covariance), 0.0)), correlation
-
-
-__all__ = [
-    "LEAST_CORRELATION",
-    "Alignment",
-    "align_cluster",
-    "align_markers",
-    "cluster_rate",
-]

@@ -318,6 +318,3 @@ def start_at(
         0.05,
         float(max(np.hypot(3.0 * mounting.heading_sigma_rad, 0.05), 0.05)),
     )
-
-
-__all__ = ["Accelerations", "Fit", "Mounting", "accelerations", "find_mounting", "fit", "start_at"]

@@ -96,15 +96,3 @@ def repetition(residual: Float) -> float:
     negative = np.flatnonzero(rho < 0.05)
     stop = int(negative[0]) if len(negative) else len(rho)
     return float(1.0 + 2.0 * rho[1:stop].sum())
-
-
-__all__ = [
-    "HALF_WIDTH_S",
-    "correlations",
-    "evenly",
-    "linear",
-    "repetition",
-    "step_of",
-    "triangle",
-    "without_ghosts",
-]

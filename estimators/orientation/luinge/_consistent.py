@@ -114,6 +114,3 @@ def run(
             if out.details.shape[0] > 0:
                 store_details(out, s, k, 2, action, x, sample)
         mirror(p)
-
-
-__all__ = ["SETTINGS", "STATE", "run"]

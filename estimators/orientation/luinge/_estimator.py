@@ -97,6 +97,3 @@ class LuingeEstimator(StrapdownEstimator):
         return replace(
             result, whitened_innovations=details[..., DETAIL_INNOVATION : DETAIL_INNOVATION + innovations]
         )
-
-
-__all__ = ["PUBLISHED", "LuingeEstimator", "LuingeParameters"]

@@ -176,6 +176,3 @@ def run(
             store(out, s, k, x, variances(x, p), quality[s, k], action, _NO_HEADING, sample, c)
             if out.details.shape[0] > 0:
                 store_details(out, s, k, 3, action, x, sample)
-
-
-__all__ = ["run"]

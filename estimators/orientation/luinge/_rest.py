@@ -98,6 +98,3 @@ def measure_rest(x: Record, p: Float, sample: Record, c: Record, errors: Float, 
             h[k] = p[min(k, row), max(k, row)]
         inverse = 1.0 / (p[row, row] + c.rate_variance)
         absorb(p, errors, h, x.bias[axis] - sample.rate[axis] - errors[row], inverse, 0.0)
-
-
-__all__ = ["REST_SETTINGS", "REST_STATE", "forget_rest", "judge_block", "measure_rest", "watch_rest"]

@@ -125,6 +125,3 @@ def variances(half: Circle, p: Float) -> Scalars3:
     east = n1 * n1 * p[0, 0] + 2.0 * n1 * cy * p[0, 1] + cy * cy * p[1, 1]
     down = d0 * d0 * p[0, 0] + 2.0 * d0 * p[0, 2] + p[2, 2]
     return north, east, down
-
-
-__all__ = ["Circle", "attitude", "doubled", "euler", "halves", "moved", "quaternion", "variances", "wrap"]

@@ -58,6 +58,3 @@ class MarzoukErrorStateEstimator(MarzoukEstimator):
 
     def _run(self, *arguments: Any) -> None:
         kernel.run(*arguments)
-
-
-__all__ = ["ErrorStateParameters", "MarzoukErrorStateEstimator"]

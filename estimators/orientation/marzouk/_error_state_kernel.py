@@ -100,6 +100,3 @@ def run(
                         correct_heading(x, p, sample, c, errors, h)
             store(out, s, k, x, (p[0, 0], p[1, 1], p[2, 2]), quality[s, k], action, 0, sample, c)
         mirror(p)
-
-
-__all__ = ["SETTINGS", "STATE", "run"]

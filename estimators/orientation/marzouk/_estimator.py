@@ -102,6 +102,3 @@ class MarzoukEstimator(RecordEstimator):
     @abstractmethod
     def _own_settings(self) -> dict[str, Any]:
         """Return the settings that are the subclass's own."""
-
-
-__all__ = ["AngleParameters", "MarzoukEstimator", "SharedParameters"]

@@ -87,6 +87,3 @@ class MarzoukEulerEstimator(MarzoukEstimator):
 
     def _run(self, *arguments: Any) -> None:
         kernel.run(*arguments)
-
-
-__all__ = ["PUBLISHED_TUNING", "EulerParameters", "MarzoukEulerEstimator"]

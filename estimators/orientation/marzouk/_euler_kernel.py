@@ -222,6 +222,3 @@ def run(
             own = _SINGULAR if abs(e[1]) > _STEEPEST else 0
             store(out, s, k, x, variances(half, p), quality[s, k], action, own, sample, c)
         mirror(p)
-
-
-__all__ = ["SETTINGS", "STATE", "run"]

@@ -77,6 +77,3 @@ class MarzoukQuaternionEstimator(MarzoukEstimator):
 
     def _run(self, *arguments: Any) -> None:
         kernel.run(*arguments)
-
-
-__all__ = ["PUBLISHED_TUNING", "MarzoukQuaternionEstimator", "QuaternionParameters"]

@@ -267,6 +267,3 @@ def run(
             own = _SINGULAR if abs(2.0 * (qx * z - w * y)) > _SINGULAR_SINE else 0
             store(out, s, k, x, variances, quality[s, k], action, own, sample, c)
         mirror(p)
-
-
-__all__ = ["SETTINGS", "STATE", "STATES", "pitch_row", "roll_row", "run", "yaw_row"]

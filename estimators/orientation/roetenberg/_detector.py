@@ -38,6 +38,3 @@ def detect(x: Record, c: Record, norm: float, dip: float) -> float:
     x.mismatch = x.mismatch + 1 if norm_off > c.guard_norm or dip_off > c.guard_dip else 0
     x.is_pinned = 1 if c.compensate == 0 or x.nominal >= c.nominal_ticks else 0
     return variance
-
-
-__all__ = ["detect"]

@@ -148,6 +148,3 @@ class RoetenbergEstimator(StrapdownEstimator):
             field_norm=details[..., NORM],
             field_dip_rad=details[..., DIP],
         )
-
-
-__all__ = ["PAGE", "PUBLISHED", "RoetenbergEstimator", "RoetenbergParameters"]

@@ -128,6 +128,3 @@ def run(
                 store_details(out, s, k, MEASUREMENTS, action, x, sample)
                 store_field(out, s, k, x)
         mirror(p)
-
-
-__all__ = ["run"]

@@ -119,6 +119,3 @@ def keep_spread(x: Record, p: Float, c: Record) -> None:
     x.spread[0] = square * p[1, 1] + c.force_variance
     x.spread[1] = -square * p[0, 1]
     x.spread[2] = square * p[0, 0] + c.force_variance
-
-
-__all__ = ["keep_spread", "measure_field", "measure_gravity"]

@@ -106,18 +106,3 @@ def predict_disturbance(x: Record, p: Float, c: Record, turned: Matrix, change: 
         p[1, j] -= r10 * bx + r11 * by + r12 * bz
         p[2, j] -= r20 * bx + r21 * by + r22 * bz
         p[j, j] += change
-
-
-__all__ = [
-    "DETAILS",
-    "DIP",
-    "DISTURBANCE",
-    "MEASUREMENTS",
-    "NORM",
-    "SETTINGS",
-    "STATE",
-    "STATES",
-    "forget_disturbance",
-    "keep_blocks",
-    "predict_disturbance",
-]

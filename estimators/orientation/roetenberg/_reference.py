@@ -105,6 +105,3 @@ def field_flags(x: Record, c: Record, heading_variance: float) -> int:
     if x.is_heading_known == 0 or x.mismatch > c.trust_ticks or heading_variance > c.heading_lost_variance:
         flag |= _NO_HEADING
     return flag
-
-
-__all__ = ["begin_heading", "field_flags", "look_for_heading"]

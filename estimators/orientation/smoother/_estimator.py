@@ -302,6 +302,3 @@ def _ended(estimator: TelemotionEstimator) -> Float:
     east, north = nominal[at.FIELD], nominal[at.FIELD + 1]
     nominal[at.FIELD], nominal[at.FIELD + 1] = 0.0, np.hypot(east, north)
     return nominal
-
-
-__all__ = ["SmoothedOrientation", "SmootherParameters", "smooth"]

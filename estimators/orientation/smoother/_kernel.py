@@ -313,18 +313,3 @@ def backward(
                 for i in range(STATES):
                     for j in range(i):
                         big[STATES * i + j], big[STATES * j + i] = big[STATES * j + i], big[STATES * i + j]
-
-
-__all__ = [
-    "FACTS",
-    "GROUPS",
-    "RETAINED",
-    "RETAINED_INNOVATION",
-    "RETAINED_INVERSE",
-    "TURN_NORTH",
-    "TURN_X",
-    "TURN_Y",
-    "VARIANCES",
-    "backward",
-    "forward",
-]

@@ -305,6 +305,3 @@ def _level(misfit: Float, time_s: Float, time_constant_s: float, begun: float = 
             out[i] = level
         ways.append(out[order])
     return np.asarray(0.5 * (ways[0] + ways[1]))
-
-
-__all__ = ["SensorPasses"]

@@ -94,6 +94,3 @@ def _both_ways(squares: Float, step_s: float, time_constant_s: float) -> Float:
             out[i] = level
         total += 0.5 * out[order]
     return total
-
-
-__all__ = ["Rests"]

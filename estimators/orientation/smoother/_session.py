@@ -249,6 +249,3 @@ def _rest(samples: NDArray[np.void], settings: np.void) -> NDArray[np.bool_]:
         & ((mean[:, _RATE] ** 2).sum(axis=1) < _REST_MEAN_RATE**2)
         & (samples["saturated"] == 0)
     )
-
-
-__all__ = ["SensorSession", "prepare", "turn_back"]

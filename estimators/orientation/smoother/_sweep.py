@@ -83,6 +83,3 @@ def turn_on(q_nominal: Float, opening: Float, closing: Float, block_ticks: int) 
         q = q_nominal[k]
         w, x, y, z = multiply(tw, tx, ty, tz, q[0], q[1], q[2], q[3])
         q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
-
-
-__all__ = ["sweep", "turn_on"]

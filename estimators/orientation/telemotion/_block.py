@@ -270,20 +270,3 @@ def inject(memory: Record, error: Float) -> None:
     memory.delay += error[DELAY]
     for i in range(STATES):
         error[i] = 0.0
-
-
-__all__ = [
-    "BEFORE",
-    "ENTRIES",
-    "ERROR",
-    "INNOVATION",
-    "ROWS",
-    "VARIANCE",
-    "absorb",
-    "field_rows",
-    "hold_place",
-    "inject",
-    "move",
-    "predict",
-    "see_field",
-]

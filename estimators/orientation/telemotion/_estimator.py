@@ -196,6 +196,3 @@ class TelemotionEstimator(RecordEstimator):
         mean = odds @ means
         spread = odds @ (variances + (means - mean) ** 2)
         return mean, np.sqrt(np.maximum(spread, _LEAST_VARIANCE))
-
-
-__all__ = ["MICROTESLA_PER_TESLA", "TelemotionEstimator"]

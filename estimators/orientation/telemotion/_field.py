@@ -329,6 +329,3 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
     w, x, y, z = normalized(w, x, y, z)
     memory.correction[0], memory.correction[1] = w, x
     memory.correction[2], memory.correction[3] = y, z
-
-
-__all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron", "restless"]

@@ -55,6 +55,3 @@ def doubt(memory: Record) -> float:
     )
     share = memory.other_s / (memory.other_s + memory.support_s)
     return float(share * apart * apart)
-
-
-__all__ = ["doubt", "outlasted"]

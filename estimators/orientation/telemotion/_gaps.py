@@ -156,16 +156,3 @@ def gap_variance(memory: Record, ticks: float, share: float, step_s: float) -> f
     for a in range(3):
         squares += memory.last_rate[a] ** 2 + (_CURVE_S / step_s * memory.slope_rate[a]) ** 2
     return share * time_s * time_s * squares
-
-
-__all__ = [
-    "after_gap",
-    "coast",
-    "doubt_filling",
-    "filled",
-    "gap_variance",
-    "remember",
-    "set_aside",
-    "store_field",
-    "went_on",
-]

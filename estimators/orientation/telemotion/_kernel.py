@@ -358,6 +358,3 @@ def run(
     flat = covariance.reshape(covariance.shape[0], STATES * STATES)
     for s in range(ticks.quality.shape[0]):
         follow(ticks, s, settings_of_all[0], state[s], flat[s], out, rows, index, value, work, samples, q)
-
-
-__all__ = ["end_block", "fill_gap", "run"]

@@ -120,6 +120,3 @@ def read(ticks: Ticks, s: int, k: int, sample: Record, memory: Record) -> bool:
     ):
         sample.saturated = 1
     return bool(usable and squares > 0.0)
-
-
-__all__ = ["keep_shown", "read", "shown", "take_back"]

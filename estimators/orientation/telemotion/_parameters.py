@@ -239,6 +239,3 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "heading_floor": math.radians(p.heading_sigma_floor_deg) ** 2,
         "heading_lost": math.radians(p.heading_lost_sigma_deg),
     }
-
-
-__all__ = ["TelemotionParameters", "check", "settings_of"]

@@ -186,24 +186,3 @@ SETTINGS: Final = record(
     )
 )
 """Constants derived from the parameters, in the units above."""
-
-
-__all__ = [
-    "BIAS",
-    "COLLECTING",
-    "DELAY",
-    "FIELD",
-    "GAIN",
-    "IDLE",
-    "IRON",
-    "POSITION",
-    "RUNNING",
-    "SAMPLE",
-    "SETTINGS",
-    "START",
-    "STATE",
-    "STATES",
-    "SUMS",
-    "TURN",
-    "VELOCITY",
-]

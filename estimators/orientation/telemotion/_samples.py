@@ -182,15 +182,3 @@ def level(memory: Record) -> None:
     memory.q[0], memory.q[1], memory.q[2], memory.q[3] = normalized(w, x, y, z)
     for vector in (memory.sum_force, memory.sum_field, memory.start_speed, memory.start_lever):
         vector[0], vector[1], vector[2] = rotate(tw, tx, ty, tz, vector[0], vector[1], vector[2])
-
-
-__all__ = [
-    "CLIP_SHARE",
-    "begin_rest",
-    "clear_sums",
-    "integrate",
-    "level",
-    "rest_variance",
-    "to_vertical",
-    "watch_rest",
-]

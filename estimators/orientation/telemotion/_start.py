@@ -310,17 +310,3 @@ def forget_motion(p: Float, tilt: float, heading: float, speed: float) -> None:
         p[(STATES + 1) * (TURN + a)] = tilt if a < 2 else heading
         p[(STATES + 1) * (VELOCITY + a)] = speed
         p[(STATES + 1) * (POSITION + a)] = _PLACE_VARIANCE
-
-
-__all__ = [
-    "SAME_FIELD",
-    "begin",
-    "collect",
-    "find_heading",
-    "forget_field",
-    "forget_motion",
-    "lost",
-    "meet_field",
-    "upright",
-    "young",
-]

@@ -83,6 +83,3 @@ def start_over(p: Float, memory: Record, settings: Record, off: float) -> None:
     memory.up_s = memory.support_s = memory.other_s = 0.0
     memory.start_moving = 1.0
     memory.field_known = memory.since_start = 0
-
-
-__all__ = ["contradiction", "start_over"]

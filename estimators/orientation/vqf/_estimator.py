@@ -180,6 +180,3 @@ def _settings(p: VqfParameters, step_s: float) -> dict[str, Any]:
         "acceleration_tolerance": p.acceleration_tolerance_mps2,
         "tilt_time_s": p.accelerometer_time_constant_s,
     }
-
-
-__all__ = ["VqfEstimator", "VqfParameters"]

@@ -183,6 +183,3 @@ def run(
                 out.q[s, k, i] = x.q[i]
             for axis in range(3):
                 out.bias[s, k, axis] = x.bias[axis]
-
-
-__all__ = ["run"]

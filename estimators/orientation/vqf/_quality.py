@@ -112,6 +112,3 @@ def annotate(
     out.flags[s, k] = flag
     out.sigma_rad[s, k, 0] = out.sigma_rad[s, k, 1] = min(tilt, math.pi)
     out.sigma_rad[s, k, 2] = min(heading, math.pi)
-
-
-__all__ = ["annotate", "annotate_missing"]

@@ -312,15 +312,3 @@ def correct_inclination(
     a[0], a[1], a[2], a[3] = normalized(aw, ax, ay, az)
     if c.learns_in_motion or c.learns_at_rest:
         learn_bias(x, p, c, ux / c.step_s, uy / c.step_s, values, work)
-
-
-__all__ = [
-    "SETTINGS",
-    "SETTLED_S",
-    "STATE",
-    "correct_inclination",
-    "low_pass",
-    "predict",
-    "restart",
-    "sensor_attitude",
-]

@@ -149,6 +149,3 @@ def _turn_at(elbow: OrdinaryElbow, time_s: float) -> float:
 def _corrected(q: tuple[float, float, float, float], correction: Float) -> tuple[float, float, float, float]:
     w, x, y, z = (float(v) for v in rotation.positive(rotation.multiply(np.array(q), correction)))
     return w, x, y, z
-
-
-__all__ = ["WORST_SIGMA_RAD", "elbows_to_refine", "refine_elbows"]

@@ -198,6 +198,3 @@ def _begun_at_rest(
     }
     anew = network.begin_anew(pose, rest.gyroscope_bias_radps, bias_sigma(rest))
     return replace(known, gyroscope_bias_radps=bias), anew
-
-
-__all__ = ["by_movement", "reset_heading"]

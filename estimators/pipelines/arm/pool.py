@@ -169,6 +169,3 @@ class ArmPool:
         # As stored live: angles carry their own sigma.
         found: Any = [values[start:stop].copy() for values in self.columns[:_STORED]]
         return Frames(self.layout, first_tick, self._time_step_s, *found)
-
-
-__all__ = ["APART", "CALLED", "STRETCH_TICKS", "ArmPool"]

@@ -259,6 +259,3 @@ def step_arms(
         )
         _remember(x, first_tick, q, flags, r.memory_tick[slot], r.memory_q[slot], r.memory_flags[slot])
         _move_arms(slot, x.step_s, r, tables, omega, start, stop, out)
-
-
-__all__ = ["step_arms"]

@@ -181,13 +181,3 @@ def arm_work(sensors: int, most_ticks: int) -> ArmWork:
 
 assert len(ArmModel.initial_previous()) == ANGLES
 assert len(MASS_SCALARS) == 6
-
-__all__ = [
-    "ANGLES",
-    "SESSION",
-    "ArmRows",
-    "ArmTables",
-    "ArmWork",
-    "arm_rows",
-    "arm_work",
-]

@@ -142,6 +142,3 @@ def _moves(q_room_segment: Float, ticks: int) -> NDArray[np.bool_]:
         alike = np.abs(np.sum(q_room_segment[ticks:] * q_room_segment[:-ticks], axis=2))
         moved[ticks:] = (np.nan_to_num(alike, nan=1.0) < np.cos(_MOVED_RAD / 2.0)).any(axis=1)
     return moved
-
-
-__all__ = ["WornCheck", "judge_worn", "postures_of"]

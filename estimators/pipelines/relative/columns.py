@@ -74,6 +74,3 @@ def table_of(result: RelativeResult) -> Float:
     ):
         out[:, column : column + values.shape[1]] = values
     return out
-
-
-__all__ = ["ANGLES", "SENSOR_SCALARS", "SOURCE_SCALARS", "layout_of", "table_of"]

@@ -331,20 +331,3 @@ def write_frames(
         row[_COIL_ON], row[_CURRENT_ON] = coil, current
         row[_ON_TIME] = account[ON_TICKS] * step_s
         row[_ON_TIME + 1], row[_ON_TIME + 2] = account[CHARGE], account[SQUARED]
-
-
-__all__ = [
-    "ACCOUNT",
-    "CHARGE",
-    "ON_TICKS",
-    "SENSOR_COLUMNS",
-    "SOURCE_COLUMNS",
-    "SQUARED",
-    "Running",
-    "Written",
-    "matrix",
-    "sigma_along",
-    "take",
-    "write_frames",
-    "write_pose",
-]

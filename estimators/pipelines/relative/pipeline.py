@@ -243,6 +243,3 @@ _NO_FIELD, _NO_STATE = np.empty((0, 0, 3)), np.empty((0, 0))
 def _part(state: Mapping[str, NDArray[Any]], name: str) -> dict[str, NDArray[Any]]:
     prefix = f"{name}."
     return {key.removeprefix(prefix): values for key, values in state.items() if key.startswith(prefix)}
-
-
-__all__ = ["ModulesChunk", "RelativePosePipeline"]

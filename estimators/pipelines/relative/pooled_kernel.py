@@ -190,6 +190,3 @@ def step_relative(
         _write(slot, one.tick_at, ticks, r, tables, work, out)
         at_work.stretch, at_work.filter = at_work.stretch + 1, _BEGIN
     return False
-
-
-__all__ = ["ROWS", "TABLES", "WORK", "step_relative"]

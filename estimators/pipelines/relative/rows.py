@@ -162,14 +162,3 @@ def relative_work(sensors: int, most_ticks: int) -> RelativeWork:
         bias=np.empty(3 * most_ticks),
         sigma=np.empty(3 * most_ticks),
     )
-
-
-__all__ = [
-    "BEGIN",
-    "PROGRESS",
-    "RelativeRows",
-    "RelativeTables",
-    "RelativeWork",
-    "relative_rows",
-    "relative_work",
-]

@@ -151,6 +151,3 @@ def _flags(one: RelativePoseFilter, result: RelativeResult) -> NDArray[np.uint16
     wide = started & (variance > limits**2).any(axis=1)
     bit = np.uint16(int(RelativeFlag.UNCERTAIN))
     return np.where(wide, result.flags | bit, result.flags & ~bit).astype(np.uint16)
-
-
-__all__ = ["smooth_modules", "with_modules"]

@@ -181,14 +181,3 @@ def _place(name: str) -> Float:
         return np.array(_PLACE_M[name])
     mirror = -1.0 if side == "right" else 1.0
     return np.asarray(np.array(_PLACE_M[base]) * np.array([1.0, mirror, 1.0]))
-
-
-__all__ = [
-    "NOMINAL_GAIN_SIGMA",
-    "ROUND_TRIP_S",
-    "SourceSettings",
-    "direction_between",
-    "relative_source",
-    "settings_of",
-    "way_between",
-]

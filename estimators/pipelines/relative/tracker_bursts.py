@@ -269,6 +269,3 @@ def _zyx(q: Float) -> Float:
         ],
         axis=-1,
     )
-
-
-__all__ = ["BURSTS", "BURST_ORIENTATION", "BurstAnalysis", "analyse_bursts", "angles_with_sigma"]

@@ -81,25 +81,3 @@ def layout_of(sides: tuple[Side, ...], *, with_forces: bool = False) -> FrameLay
         scalars += tuple(f"{name}_{scalar}" for name in names for scalar in FORCE_SCALARS)
         scalars += LIVE_BALANCE_SCALARS
     return FrameLayout(segments=names, points=points, angles=(), scalars=scalars)
-
-
-__all__ = [
-    "BALANCE_POINTS",
-    "BALANCE_SCALARS",
-    "CENTRE_PER_STATURE",
-    "CONTACT",
-    "FORCE_SCALARS",
-    "FORCE_STATES",
-    "LIVE_BALANCE_SCALARS",
-    "PRESSURE_POINTS",
-    "SCALARS",
-    "SPEED",
-    "STANCE",
-    "STRIDE_LENGTH",
-    "TOE_OFF",
-    "TOE_OUT",
-    "WORN",
-    "cells_of",
-    "feet_of",
-    "layout_of",
-]

@@ -148,6 +148,3 @@ class LiveShoes:
         self._loads.refill(state["shoe_loads"])
         self._memory = np.array(state["balance_memory"])
         self._x, self._p = np.array(state["balance_x"]), np.array(state["balance_p"])
-
-
-__all__ = ["LiveShoes"]

@@ -97,6 +97,3 @@ def apart_at_start(walk: Walk) -> float:
     points, names = walk.frames.point_room_m, walk.frames.layout.points
     left, right = (points[0, names.index(f"foot_{side}"), 1] for side in ("left", "right"))
     return float(abs(left - right))
-
-
-__all__ = ["FEET", "apart_at_start", "relative_feet", "with_relative_feet"]

@@ -271,6 +271,3 @@ def flags_of(flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
         + ((flags & FootFlag.SATURATED) != 0) * OrientationFlag.SATURATED
     )
     return np.asarray(bits, dtype=np.uint8)
-
-
-__all__ = ["GaitPipeline", "apart", "flags_of", "frames_of", "level_sigma"]

@@ -187,6 +187,3 @@ class WalkPool:
         """Return a copy of some rows as frames; see `Pool.frames`."""
         found: Any = [values[start:stop].copy() for values in (*self.columns, self._point_sigma_m)]
         return Frames(self.layout, first_tick, self._time_step_s, *found)
-
-
-__all__ = ["WalkPool"]

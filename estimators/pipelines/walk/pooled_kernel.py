@@ -268,6 +268,3 @@ def step_walks(
         _show(r.waiting[slot, 0], r.waiting_place[slot], ticks, one.tick_at, out, point_sigma_m)
         is_taken[n] = 1
     return left
-
-
-__all__ = ["step_walks"]

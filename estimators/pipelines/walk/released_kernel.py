@@ -312,6 +312,3 @@ def write_shoes(
         row[forces + 2 * _FORCE_SCALARS + 1] = found[k, _CENTRE_SIGMA]
         row[forces + 2 * _FORCE_SCALARS + 2] = found[k, _WEIGHT] / GRAVITY_MPS2
     _write_common(values, flags, stepped, feet, scalars, rows)
-
-
-__all__ = ["WRITE_FEET", "WRITE_SHOES", "Feet", "Shoes", "write_feet", "write_shoes"]

@@ -240,17 +240,3 @@ def walk_work(sensors: int) -> WalkWork:
         np.empty(samples, dtype=np.uint8),
         np.empty((sensors, MEMORY)),
     )
-
-
-__all__ = [
-    "COUNT",
-    "FIRST",
-    "SESSION",
-    "Queue",
-    "WalkRows",
-    "WalkTables",
-    "WalkWork",
-    "queue_room",
-    "walk_rows",
-    "walk_work",
-]

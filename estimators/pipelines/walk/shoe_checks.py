@@ -60,6 +60,3 @@ def refuse_wrong_loads(shoes: Mapping[Side, ShoeKinetics]) -> None:
             raise SetupError(say("shoes.no_weight", side=side, load_n=load))
         if load < _LEAST_SINGLE_SHARE * most:
             raise SetupError(say("shoes.loads_apart", side=side, load_n=load, other_n=most))
-
-
-__all__ = ["EXCHANGED", "EXCHANGED_M", "refuse_stairs", "refuse_wrong_loads", "saturated"]

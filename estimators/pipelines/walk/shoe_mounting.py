@@ -85,6 +85,3 @@ def _shank(q_heel_sensor: Float, heel: SensorSignals, shank: SensorSignals) -> F
     together = float((shank.gyroscope_radps @ left) @ foot_about_left)
     left = left / length if together > 0.0 else -left / length
     return rotation.from_matrix(np.vstack((np.cross(left, up), left, up)))
-
-
-__all__ = ["WELL_MOUNTED_RAD", "Mounting", "shoe_mounting"]

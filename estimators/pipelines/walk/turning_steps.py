@@ -75,6 +75,3 @@ def steps_on_course(
     return step_measures(
         steps, sigma_m, (np.abs(np.array(turned)) < _TURN_RAD) & steps_inside(strides, steps)
     )
-
-
-__all__ = ["steps_on_course", "turning_steps"]

@@ -226,6 +226,3 @@ def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:
     for column, values in enumerate(measures, STRIDE_LENGTH):
         found[known, column] = values[last[known]]
     return found
-
-
-__all__ = ["Walk", "analyse_walk", "course_of", "event_columns"]

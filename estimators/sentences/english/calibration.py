@@ -139,5 +139,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " sensors, then calibrate again, or by movement.",
     "placement.moved_since": "{where:place}: the sensor sits {angle_rad:deg} off its position of last time.",
 }
-
-__all__ = ["ENGLISH"]

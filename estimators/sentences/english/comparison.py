@@ -164,5 +164,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "compare.cut_short": "This stored {kind:stored} is cut short or larger than any real one. Make it again.",
     "compare.damaged": "This stored {kind:stored} is damaged. Make it again.",
 }
-
-__all__ = ["ENGLISH"]

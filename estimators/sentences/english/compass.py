@@ -62,5 +62,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "six_position.turn_doubt_under": "The turn about {axis} read {error:percent.1} too little: by the gyroscope's"
     " scale, or because it was not quite whole. A second turn about it shows which.",
 }
-
-__all__ = ["ENGLISH"]

@@ -76,5 +76,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "channel.elbow_y": "elbow to the left",
     "channel.elbow_z": "elbow up",
 }
-
-__all__ = ["ENGLISH"]

@@ -46,5 +46,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     },
     "markers.uneven": "Markers and sensor each need at least ten samples at increasing times.",
 }
-
-__all__ = ["ENGLISH"]

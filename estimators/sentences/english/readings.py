@@ -124,5 +124,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " was recorded north of the equator: say so. Otherwise the accelerometer gives gravity instead of specific force,"
     " as phones and north-east-down devices do, or the magnetometer is reversed: give its columns the other sign.",
 }
-
-__all__ = ["ENGLISH"]

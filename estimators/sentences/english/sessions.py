@@ -36,5 +36,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "recording.tick_rate": "The rate is {rate_hz:hz.1}; it must lie between 1 and 10 000 Hz.",
     "body.stature": "A stature of {stature_m:m.2} is outside 0.5 to 2.5 m. Give metres, not centimetres.",
 }
-
-__all__ = ["ENGLISH"]

@@ -109,5 +109,3 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "stride.turning": "Walked along a turn.",
     "stride.unsteady": "Not steady or not straight.",
 }
-
-__all__ = ["ENGLISH"]

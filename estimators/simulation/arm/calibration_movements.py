@@ -109,6 +109,3 @@ def _plan(passive: bool, cycles: int) -> tuple[Exercise, list[tuple[str, float, 
         Exercise(name, title, rest, tuple(stops), pace, "humerus_forearm_{side}_zxy_flexion"),
         ranges,
     )
-
-
-__all__ = ["CALIBRATION_STYLE", "calibration_exercise", "calibration_ranges_s", "t_pose_exercise"]

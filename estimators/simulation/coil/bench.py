@@ -68,6 +68,3 @@ def bench_motion(
         make_interp_spline(grid, place, k=5),
     )
     return motion, duration_s
-
-
-__all__ = ["bench_motion", "bench_places", "wound_by_hand"]

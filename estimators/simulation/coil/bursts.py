@@ -125,6 +125,3 @@ def fire_bursts(
     field = scene.ambient_t.copy()
     field[on] += current_a * scene.per_ampere_t[on, state[on] - 1]
     return np.clip(field, -full_scale_t, full_scale_t), state
-
-
-__all__ = ["BURST_MOVEMENTS", "burst_motion", "fire_bursts"]

@@ -155,6 +155,3 @@ def run_closed_loop(
 def _at_source(relative: RelativePoseFilter) -> Float:
     source = relative.source
     return np.asarray(source.field(np.arange(len(source.coils)), 1.0, np.full(3, 1e-3)))
-
-
-__all__ = ["SourceFaults", "run_closed_loop"]

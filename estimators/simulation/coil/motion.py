@@ -214,6 +214,3 @@ def relative_motion(
         RotationSpline(grid, sensor),
         make_interp_spline(grid, sensor_place, k=5),
     )
-
-
-__all__ = ["MOVEMENTS", "RelativeMotion", "relative_motion", "smoothstep"]

@@ -156,6 +156,3 @@ def relative_scene(
         worn,
         np.ascontiguousarray(seen),
     )
-
-
-__all__ = ["EARTH_FIELD_T", "Iron", "ModuleErrors", "RelativeScene", "relative_scene"]

@@ -133,6 +133,3 @@ def seconds_of_counter(column: Float, rate_hz: float) -> tuple[Float, list[Sente
     seconds[rows] = counted / (usual * rate_hz)
     holes = int((np.rint(steps[steps > 1.5 * usual] / usual) - 1).sum())
     return seconds, [say("time.counter_holes", count=holes)] if holes else []
-
-
-__all__ = ["COUNT", "gone_on", "seconds_of_counter", "unwrapped"]

@@ -289,6 +289,3 @@ def _rate_of_ticks(step: float, said_hz: float | None) -> tuple[float, float] | 
     """Return the tick of fine sample times and the rate that their step says; None where it says none."""
     low, high = (0.9 * said_hz, 1.1 * said_hz) if said_hz else (_SLOWEST_HZ, HIGHEST_HZ)
     return next(((tick, rate) for tick in _TICK_S if low <= (rate := 1.0 / (step * tick)) <= high), None)
-
-
-__all__ = ["TimeGuess", "guess_time", "own_clocks", "rate_said"]

@@ -253,6 +253,3 @@ def _in_order(time: Float) -> NDArray[np.bool_]:
             stays[at - 1] = False
     latest = np.maximum.accumulate(np.where(stays, time, -np.inf)) if time.size else time
     return np.asarray(stays & (time >= latest))
-
-
-__all__ = ["BREAK_S", "LEAST_SPACING", "MendedTime", "mended", "spaced", "usual_interval"]

@@ -198,6 +198,3 @@ def _without_changes(time_s: Float) -> tuple[Float, int]:
     )
     shift = np.concatenate([[0.0], np.cumsum(np.where(is_change, np.sign(steps) * _HOUR_S, 0.0))])
     return np.asarray(time_s - shift), int(is_change.sum())
-
-
-__all__ = ["CLOCK", "is_clock", "seconds_of_clock"]

@@ -107,6 +107,3 @@ def nominal_rate(time_s: Float) -> float:
     measured = 1.0 / usual
     whole = round(measured)
     return float(whole) if abs(measured - whole) < 2e-3 * whole else measured
-
-
-__all__ = ["HIGHEST_HZ", "LOWEST_HZ", "UNIT_FACTORS", "check_unit", "nominal_rate", "seconds_of", "units_of"]

@@ -126,6 +126,3 @@ def source_of(name: str, head: TableHead) -> tuple[str, float]:
     if name.startswith("-") and name not in head.columns and name[1:].strip() in head.columns:
         return name[1:].strip(), -1.0
     return name, 1.0
-
-
-__all__ = ["checked_mapping", "clocks_of", "columns_of", "source_of", "with_times"]

@@ -230,6 +230,3 @@ def _at(signals: SensorSignals, at_s: Float) -> SensorSignals:
         joined(signals.time_s, signals.accelerometer_mps2, at_s),
         None if field is None else joined(signals.time_s, field, at_s),
     )
-
-
-__all__ = ["TableSensors"]

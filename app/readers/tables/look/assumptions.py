@@ -212,6 +212,3 @@ def _unused(columns: list[str], mapping: GuessedMapping) -> list[str]:
 def place_of(signal: GuessedColumn) -> str:
     """Return where a sensor is worn, or what it is called; as the readers name it."""
     return signal.placement or signal.sensor or SINGLE
-
-
-__all__ = ["assumed", "missing", "place_of"]

@@ -173,6 +173,3 @@ def _short(columns: list[str]) -> str:
 def _shared(names: list[str]) -> int:
     """Return how many letters names share from their beginning."""
     return sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False)))
-
-
-__all__ = ["Look", "SensorLook", "look_at"]

@@ -133,6 +133,3 @@ def _said(error: RecordingFormatError) -> Sentence:
 def _codes(message: Sentence) -> set[str]:
     inner = [_codes(one) for one in message.parameters.values() if isinstance(one, Sentence)]
     return {message.code}.union(*inner)
-
-
-__all__ = ["SHOWN_S", "FirstSeconds", "first_seconds"]

@@ -108,6 +108,3 @@ def _in_order(
     found = np.empty(quantity.size, dtype=np.intp)
     found[order] = np.arange(quantity.size) - first
     return found
-
-
-__all__ = ["with_late"]

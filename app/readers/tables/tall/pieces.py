@@ -58,6 +58,3 @@ class Piece:
         """Return the place of each row among some signals, shape (N,)."""
         at = {one: number for number, one in enumerate(signals)}
         return np.array([at[one] for one in self.called], dtype=np.intp)
-
-
-__all__ = ["Piece"]

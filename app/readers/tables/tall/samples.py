@@ -139,6 +139,3 @@ def _are_numbers(stamps: NDArray[Any]) -> bool:
     except ValueError:
         return False
     return True
-
-
-__all__ = ["Order", "is_cycle", "of_a_sample", "order_of", "places", "share_stamps", "side_by_side"]

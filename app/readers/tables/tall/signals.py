@@ -156,16 +156,3 @@ def _twice(stamps: Sequence[str], rows: Sequence[tuple[str, ...]]) -> float:
         at += k > 0 and stamps[k] != stamps[k - 1]
         seen.add((at, row))
     return 1.0 - len(seen) / max(len(rows), 1)
-
-
-__all__ = [
-    "MOST_NAMES",
-    "MOST_ROWS",
-    "UNIT",
-    "are_signals",
-    "called_by",
-    "clock_of",
-    "says_quantity",
-    "value_column",
-    "with_devices",
-]

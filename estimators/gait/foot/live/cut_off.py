@@ -51,6 +51,3 @@ class CutOffAxes:
             is_cut = is_marked[:, None] & (values >= limit[:, None])
             found |= np.bitwise_or.reduce(np.where(is_cut, _BITS[triad], 0).astype(np.uint8), axis=1)
         return found
-
-
-__all__ = ["CutOffAxes"]

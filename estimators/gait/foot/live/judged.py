@@ -175,6 +175,3 @@ class JudgedSamples:
         self._grow(len(state["bits"]))
         self.inputs[:], self.bits[:] = state["inputs"], state["bits"]
         self.rate_variance[:] = state["rate_variance"]
-
-
-__all__ = ["JudgedSamples"]

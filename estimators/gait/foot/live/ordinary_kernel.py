@@ -377,6 +377,3 @@ def release(
             x.place += drop
             x.known = max(x.known - drop, 0)
             x.origin += drop
-
-
-__all__ = ["RELEASE", "TAKE", "release", "take"]

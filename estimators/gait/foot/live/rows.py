@@ -204,17 +204,3 @@ FOOT_ROWS: Final = bundle(
     *(_F3, _F4, _F3, types.int64[:, ::1], _F4, _F4, _F3, _F3, _F3, _F2, _F2, _F2),
 )
 SIZES: Final = types.NamedUniTuple(types.int64, len(Sizes._fields), Sizes)
-
-__all__ = [
-    "BRIDGED",
-    "CLIPPED",
-    "FIELD",
-    "FOOT_ROWS",
-    "MISSING",
-    "PIECE_TICKS",
-    "SIZES",
-    "FootRows",
-    "Sizes",
-    "foot_rows",
-    "sizes_of",
-]

@@ -227,6 +227,3 @@ class FootSamples:
 def _at_rest(accelerometer: Float) -> Float:
     """Return the specific force of a foot that rests the way it was last seen."""
     return np.asarray(accelerometer * (GRAVITY_MPS2 / max(float(np.linalg.norm(accelerometer)), 1.0)))
-
-
-__all__ = ["FootSamples"]

@@ -358,6 +358,3 @@ class FootStream:
         now["filtered"] = mark
         if filtered > mark:
             self._filter(filtered)
-
-
-__all__ = ["TILT_KNOWN_RAD", "FootStream"]

@@ -279,6 +279,3 @@ def _as_compiled(chunk: ImuChunk) -> ImuChunk:
         magnetometer_t=None if field is None else field.astype(np.float64),
         quality=chunk.quality.astype(np.uint8),
     )
-
-
-__all__ = ["FootChunk", "FootTracker"]

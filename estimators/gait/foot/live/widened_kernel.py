@@ -59,6 +59,3 @@ def widen(memory: Float, first: int, values: Float, flags: NDArray[np.uint8]) ->
             grown = math.sqrt(heading * heading + m[_YAW2])
             value[_HEADING] = _UNKNOWN if grown > _UNKNOWN else grown
             flags[s, k] |= _PLACE_LOST
-
-
-__all__ = ["can_widen", "widen"]

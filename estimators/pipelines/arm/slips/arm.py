@@ -136,6 +136,3 @@ class Chain:
             assert link.side is not None
             return shoulder_m(link.side, self._body) - before.sensor_m
         return before.end_m - before.sensor_m
-
-
-__all__ = ["Chain", "Lever"]

@@ -104,5 +104,3 @@ def shoulder_m(side: Side, body: BodyDimensions) -> Float:
 
 PELVIS_SENSOR_M: Final = np.array([_CHEST_M, 0.0, 0.05])
 """From the hips' centre to the sensor on the pelvis, in its axes."""
-
-__all__ = ["PELVIS_SENSOR_M", "Link", "links", "shoulder_m"]

@@ -188,6 +188,3 @@ def _bent(values: Float, basis: Float) -> Float:
 def _around(chain: Chain, tick: int, reach_s: float) -> tuple[int, int]:
     reach = chain.samples(reach_s)
     return max(tick - reach, 0), min(tick + reach, len(chain.motion.time_s))
-
-
-__all__ = ["Proof", "jumped", "steps", "turned_on_the_spot", "twisted_alone"]

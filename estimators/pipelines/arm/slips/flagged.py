@@ -109,6 +109,3 @@ def _posture(model: ArmModel, q_room_segment: Float, frames: Frames) -> tuple[Fl
             shoulder = found.point_room_m[:, model.points.index(f"shoulder_{side}")]
             place_m[:, column] = found.point_room_m[:, model.points.index(name)] - shoulder
     return found.angle_rad, place_m
-
-
-__all__ = ["FLAG", "with_slips"]

@@ -106,6 +106,3 @@ def motion_of(frames: Frames, chunk: ImuChunk, setup: SessionSetup, names: Seque
         for values, filled in ((rate, rates), (force, accelerations)):
             filled[:, column] = np.where(np.isfinite(values) & ~lost[:, None], values, 0.0)
     return Motion(tuple(names), frames.time_s[ticks], postures, rates, accelerations)
-
-
-__all__ = ["RATE_HZ", "Motion", "motion_of", "stride_of"]

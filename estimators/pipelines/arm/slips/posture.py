@@ -120,6 +120,3 @@ class Postures:
         first = max(0, math.ceil((first_s - self._first_s) / self._step_s))
         stop = max(first, math.ceil((stop_s - self._first_s) / self._step_s))
         return first + np.flatnonzero(self._known[first:stop])
-
-
-__all__ = ["AFTER_S", "BEFORE_S", "GAP_S", "Postures", "Shift"]

@@ -195,6 +195,3 @@ def find_slips(
     for part, chunk in zip(frames, chunks, strict=True):
         search.add(part, chunk)
     return search.finish()
-
-
-__all__ = ["Slip", "SlipSearch", "find_slips", "in_doubt"]

@@ -132,6 +132,3 @@ def worn(stream: DeviceStream, placements: tuple[str, ...]) -> DeviceStream:
     """Some sensors of a stream."""
     rows = [stream.placements.index(name) for name in placements]
     return replace(stream, placements=placements, counts=np.ascontiguousarray(stream.counts[:, rows]))
-
-
-__all__ = ["Faults", "Sender", "masked", "offer", "packets_of", "worn"]
