@@ -40,12 +40,7 @@ class Holder(Protocol):
 
 
 class Limits:
-    """Counts what is held; from any thread.
-
-    Parameters
-    ----------
-    allowances : mapping of Resource to Allowance
-    """
+    """Counts what is held; from any thread."""
 
     def __init__(self, allowances: Mapping[Resource, Allowance]) -> None:
         self._allowances = dict(allowances)
@@ -54,11 +49,6 @@ class Limits:
 
     def take(self, resource: Resource, holder: Holder) -> "Hold":
         """Hold one; give it back with `Hold.release`, or use it in a `with` statement.
-
-        Parameters
-        ----------
-        resource : Resource
-        holder : Holder
 
         Raises
         ------
@@ -94,7 +84,6 @@ class Limits:
 
         Parameters
         ----------
-        resource : Resource
         scope : {"account", "clinic", "service"}
         key : str
             Of the account or clinic.

@@ -135,12 +135,7 @@ class TextLines(_Lines):
 
 
 def safe_words(error: BaseException) -> str:
-    """Return what an exception says where that cannot be what somebody typed or measured; else nothing.
-
-    Parameters
-    ----------
-    error : BaseException
-    """
+    """Return what an exception says where that cannot be what somebody typed or measured; else nothing."""
     if isinstance(error, TelemotionError):
         return error.message
     if isinstance(error, OperationalError | IntegrityError):

@@ -170,12 +170,10 @@ async def open_services(
 
     Parameters
     ----------
-    settings : Settings
     stack : AsyncExitStack
         Closed by the caller when the service stops.
     lock : WriterLock
         Held from before anything is read until everything is closed.
-    passwords : Passwords, optional
 
     Raises
     ------

@@ -132,7 +132,6 @@ def observe_part(services: Services, gauges: Mapping[str, tuple[str, Callable[[]
 
     Parameters
     ----------
-    services : Services
     gauges : mapping of str to (meaning, callable)
         Its own, by name.
     """

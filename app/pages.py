@@ -106,12 +106,10 @@ def rows_of(
 
     Parameters
     ----------
-    session : Session
     query : Select
         Already limited to what the subject may see; without an order.
     order : sequence of column
         The list's order; together unlike in every two rows, none of them null.
-    page : Page
     newest_first : bool
         Descending, by all columns.
 

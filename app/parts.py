@@ -212,13 +212,7 @@ def _observe_worker(services: Services, worker: Worker, shared: OfWorker) -> Reg
 
 
 class Tasks:
-    """Works off the queue of long tasks, which the workers share, while the database knows that this one lives.
-
-    Parameters
-    ----------
-    services : Services
-    broker : Broker
-    """
+    """Works off the queue of long tasks, which the workers share, while the database knows that this one lives."""
 
     def __init__(self, services: Services, broker: Broker) -> None:
         self._services, self._broker = services, broker

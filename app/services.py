@@ -17,11 +17,6 @@ One = TypeVar("One")
 class Services:
     """Open resources of one running service, one of each type.
 
-    Parameters
-    ----------
-    settings : Settings
-    engine : Engine
-
     Attributes
     ----------
     limits : Limits

@@ -9,12 +9,7 @@ _LOCAL_TO_A_MACHINE = {"localtime", "Factory"}
 
 
 def is_time_zone(name: str) -> bool:
-    """Return whether a name is one of a time zone.
-
-    Parameters
-    ----------
-    name : str
-    """
+    """Return whether a name is one of a time zone."""
     return name == UTC_NAME or (name in available_timezones() and name not in _LOCAL_TO_A_MACHINE)
 
 
@@ -40,7 +35,6 @@ def week_start(moment: datetime, zone: tzinfo) -> datetime:
     ----------
     moment : datetime
         With a zone.
-    zone : tzinfo
 
     Returns
     -------

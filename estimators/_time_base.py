@@ -22,10 +22,8 @@ class TimeBase:
     ----------
     position : ndarray, shape (N,)
         Time of each sample in ticks from the first tick.
-    ticks : int
     bridge_ticks : float
         Longest missing stretch to interpolate across.
-    tick_s : float
     """
 
     def __init__(self, position: Float, ticks: int, bridge_ticks: float, tick_s: float = 0.01) -> None:

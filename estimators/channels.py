@@ -33,7 +33,6 @@ class ChannelSpec:
 
     Attributes
     ----------
-    bit : Channel
     name : str
         In JSON packets; with `_scale` in the hello.
     field : str

@@ -57,7 +57,6 @@ class ContradictionError(ComparisonError):
         Lengths of the one over those of the other, where they differ.
     up : str
         Axis that points up: `z` as it should, `y`, `-x`.
-    is_mirrored : bool
     """
 
     def __init__(

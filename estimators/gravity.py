@@ -14,7 +14,6 @@ def calm_size(force: Float, time_step_s: float) -> float:
     ----------
     force : ndarray, shape (N, 3)
         NaN where a sample is missing.
-    time_step_s : float
 
     Returns
     -------

@@ -213,7 +213,6 @@ def stillness(
     Parameters
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (..., K, 3)
-    window_s : float
     gyroscope_limit_radps, accelerometer_limit_mps2 : float
         Largest standard deviation, root of the sum over axes, inside the window. The mean of the
         gyroscope is its bias and does not count; the mean norm of specific force must be near gravity.

@@ -286,10 +286,6 @@ def kinds(recording: Recording) -> set[str]:
 def from_data(entries: Iterable[Mapping[str, Any]]) -> list[ProtocolResult]:
     """Return the results that `to_data` wrote, without their plots, in the order of `protocols`.
 
-    Parameters
-    ----------
-    entries : iterable of mapping
-
     Returns
     -------
     list of ProtocolResult

@@ -24,7 +24,6 @@ class Estimate:
 
     Attributes
     ----------
-    value : float
     low, high : float
         Ends of the 95 % confidence interval, or, where the seeds are too few for one, the extremes drawn.
     """

@@ -13,7 +13,6 @@ def error_over_time(title: str, time_s: Float, errors_deg: Mapping[str, Float]) 
 
     Parameters
     ----------
-    title : str
     time_s : ndarray, shape (N,)
     errors_deg : mapping of curve name to ndarray, shape (N,)
     """
@@ -27,7 +26,6 @@ def allan_deviation(values: Float, time_step_s: float, points: int = 40) -> tupl
     Parameters
     ----------
     values : ndarray, shape (N,)
-    time_step_s : float
     points : int
         Averaging times, evenly spread on a logarithmic scale from one sample to a third of the record.
 

@@ -27,7 +27,6 @@ class Figure:
     ----------
     name : str
         Unique within its protocol.
-    unit : str
     required : float, or None
         The limit; None for figures that are only shown.
     published : float, or None
@@ -74,9 +73,6 @@ class Plot:
 
     Attributes
     ----------
-    title : str
-    x_label, x_unit, y_label, y_unit : str
-    curves : tuple of Curve
     logarithmic : bool
         Both axes (Allan deviation).
     """
@@ -95,10 +91,8 @@ def thinned(name: str, x: Float, y: Float, points: int = 300) -> Curve:
 
     Parameters
     ----------
-    name : str
     x, y : ndarray, shape (N,)
         An error over time: its peaks matter and stay.
-    points : int
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if len(x) <= points:
@@ -125,7 +119,6 @@ class Protocol:
         Paper, section, table.
     what : str
         One or two sentences: what is done and what counts.
-    figures : tuple of Figure
     measure : callable
         Takes seeds and data; returns for each figure one value a seed (or a recording).
     needs_data : str
@@ -150,7 +143,6 @@ class FigureResult:
 
     Attributes
     ----------
-    figure : Figure
     values : ndarray, shape (N,)
         NaN where nothing could be measured.
     each : {"seed", "batch", "recording"}
@@ -273,12 +265,6 @@ def parts_of(protocol: Protocol, seeds: Sequence[int]) -> tuple[Sequence[int], .
 def measured(protocol: Protocol, seeds: Sequence[int], data: Data) -> tuple[Values, float]:
     """Repeat one experiment with one batch of seeds.
 
-    Parameters
-    ----------
-    protocol : Protocol
-    seeds : sequence of int
-    data : mapping of str to Recording
-
     Returns
     -------
     values : dict of str to ndarray
@@ -307,12 +293,10 @@ def gather(
 
     Parameters
     ----------
-    protocol : Protocol
     seeds : sequence of int
         Of all batches.
     parts : sequence of tuple
         What `measured` returned for each batch.
-    plots : tuple of Plot
     """
     figures = []
     for figure in protocol.figures:

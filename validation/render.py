@@ -90,7 +90,6 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
 
     Parameters
     ----------
-    results : sequence of ProtocolResult
     command : str
         As typed.
     data : sequence of str

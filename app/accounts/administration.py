@@ -28,11 +28,9 @@ def list_accounts(session: Session, subject: Subject, page: Page) -> list[Accoun
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Administrators see all of their clinic, therapists their colleagues (to give grants to), others
         nobody.
-    page : Page
     """
     query = select(Account).where(Account.clinic_id == subject.clinic_id)
     if subject.role == "therapist":
@@ -48,10 +46,8 @@ async def create_account(services: Services, subject: Subject, body: AccountIn) 
 
     Parameters
     ----------
-    services : Services
     subject : Subject
         An administrator.
-    body : AccountIn
 
     Raises
     ------
@@ -83,11 +79,8 @@ async def update_account(
 
     Parameters
     ----------
-    services : Services
     subject : Subject
         An administrator.
-    account_id : str
-    body : AccountPatch
 
     Raises
     ------
@@ -118,7 +111,6 @@ def account_out(row: Account, subject: Subject) -> AccountOut:
 
     Parameters
     ----------
-    row : Account
     subject : Subject
         Who looks: only administrators see whether it has a second factor.
     """

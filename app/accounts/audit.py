@@ -45,12 +45,10 @@ class ChainReport:
 
     Attributes
     ----------
-    is_intact : bool
     events : int
         Events checked.
     broken_at : int or None
         Number of the first event that does not fit.
-    reason : str
     head : str
         Hash of the last event that fits.
     """
@@ -163,13 +161,7 @@ def hash_event(event: AuditEvent) -> str:
 
 
 def head(session: Session, clinic_id: str) -> tuple[int, str]:
-    """Return number and hash of a clinic's last event; `(0, GENESIS)` for an empty chain.
-
-    Parameters
-    ----------
-    session : Session
-    clinic_id : str
-    """
+    """Return number and hash of a clinic's last event; `(0, GENESIS)` for an empty chain."""
     return _last(session, clinic_id)
 
 
@@ -178,8 +170,6 @@ def verify(session: Session, clinic_id: str, expected_head: tuple[int, str] | No
 
     Parameters
     ----------
-    session : Session
-    clinic_id : str
     expected_head : (int, str), optional
         A `head` that was stored elsewhere: the chain must still contain it, so a cut end is found too.
 

@@ -13,15 +13,7 @@ from app.pages import Page, rows_of
 
 
 def read_audit(session: Session, clinic_id: str, patient_id: str, page: Page) -> list[AuditOut]:
-    """Return a page of the events about a patient, newest first; the caller has checked the right to the patient.
-
-    Parameters
-    ----------
-    session : Session
-    clinic_id : str
-    patient_id : str
-    page : Page
-    """
+    """Return a page of the events about a patient, newest first; the caller has checked the right to the patient."""
     query = select(AuditEvent).where(AuditEvent.clinic_id == clinic_id, AuditEvent.patient_id == patient_id)
     rows = rows_of(session, query, (AuditEvent.number,), page, newest_first=True)
     events = [event for (event,) in rows]
@@ -34,7 +26,6 @@ def note_ended(engine: Engine, path: Path, above: int = 0) -> int:
 
     Parameters
     ----------
-    engine : Engine
     path : Path
         Of the register.
     above : int

@@ -16,8 +16,6 @@ def read_clinic(session: Session, subject: Subject, default_zone: str) -> Clinic
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     default_zone : str
         Setting `time_zone`, in force while the clinic has not set its own.
     """
@@ -33,7 +31,6 @@ def change_clinic(session: Session, subject: Subject, body: ClinicPatch, default
         Writing.
     subject : Subject
         An administrator.
-    body : ClinicPatch
     default_zone : str
         Setting `time_zone`.
 

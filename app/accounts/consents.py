@@ -22,8 +22,6 @@ def answered(
 
     Parameters
     ----------
-    session : Session
-    patient_ids : collection of str
     purposes : collection of {"treatment", "research", "home_streaming"}
     """
     rows = session.execute(_ANSWERED, {"patients": list(patient_ids), "purposes": list(purposes)})
@@ -31,13 +29,7 @@ def answered(
 
 
 def list_consents(session: Session, patient_id: str) -> list[Consent]:
-    """Return every answer of a patient, by purpose; the caller has checked the right to the patient.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id : str
-    """
+    """Return every answer of a patient, by purpose; the caller has checked the right to the patient."""
     query = select(Consent).where(Consent.patient_id == patient_id).order_by(Consent.purpose)
     return list(session.scalars(query))
 
@@ -47,10 +39,6 @@ def set_consent(session: Session, patient_id: str, purpose: str, granted: bool, 
 
     Parameters
     ----------
-    session : Session
-    patient_id : str
-    purpose : str
-    granted : bool
     changed_by : str
         Account that stored it.
     """

@@ -45,7 +45,6 @@ def is_own_origin(settings: Settings, connection: HTTPConnection) -> bool:
     settings : Settings
         `base_url` is the only origin; a service on this machine's own address also accepts the address it was called
         by, so `localhost` and `127.0.0.1` both work (`app.edge.hosts` lets no other name in).
-    connection : Request or WebSocket
     """
     origin = connection.headers.get("origin")
     if not origin:
@@ -61,10 +60,6 @@ def is_own_origin(settings: Settings, connection: HTTPConnection) -> bool:
 def require_own_origin(connection: HTTPConnection) -> None:
     """Refuse a request that another site provoked.
 
-    Parameters
-    ----------
-    connection : Request or WebSocket
-
     Raises
     ------
     NotAllowed
@@ -76,10 +71,6 @@ def require_own_origin(connection: HTTPConnection) -> None:
 
 def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
     """Return the valid browser session of a request, with CSRF and Origin checked for changes.
-
-    Parameters
-    ----------
-    connection : Request or WebSocket
 
     Raises
     ------
@@ -122,22 +113,13 @@ def _is_in_use(connection: HTTPConnection, settings: Settings) -> bool:
 
 
 def shown_token(connection: HTTPConnection) -> tuple[str, str]:
-    """Return scheme and token of the `Authorization` header; without a token the cookie decides who asks.
-
-    Parameters
-    ----------
-    connection : Request or WebSocket
-    """
+    """Return scheme and token of the `Authorization` header; without a token the cookie decides who asks."""
     scheme, _, token = connection.headers.get("authorization", "").partition(" ")
     return scheme, token.strip()
 
 
 def current_subject(connection: HTTPConnection) -> Subject:
     """Return who asks, by device token or cookie; blocks on the database, so call it in a thread.
-
-    Parameters
-    ----------
-    connection : Request or WebSocket
 
     Raises
     ------
@@ -162,10 +144,6 @@ def current_subject(connection: HTTPConnection) -> Subject:
 def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Subject:
     """Return the subject when it is a person or integrator that signed in, not a device.
 
-    Parameters
-    ----------
-    subject : Subject
-
     Raises
     ------
     NotAllowed
@@ -178,10 +156,6 @@ def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Su
 
 def current_device(subject: Annotated[Subject, Depends(current_subject)]) -> Subject:
     """Return the subject when it is a device with a token.
-
-    Parameters
-    ----------
-    subject : Subject
 
     Raises
     ------

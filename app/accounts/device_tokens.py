@@ -27,7 +27,6 @@ def create_device_token(
 
     Parameters
     ----------
-    session : Session
     settings : Settings
         For the signing secret.
     subject : Subject
@@ -75,8 +74,6 @@ def subject_of_device_token(session: Session, settings: Settings, token: str) ->
 
     Parameters
     ----------
-    session : Session
-    settings : Settings
     token : str
         From `Authorization: Bearer`.
 
@@ -102,12 +99,7 @@ def subject_of_device_token(session: Session, settings: Settings, token: str) ->
 
 
 def device_subject(row: DeviceToken) -> Subject:
-    """Return the subject of a device token's row.
-
-    Parameters
-    ----------
-    row : DeviceToken
-    """
+    """Return the subject of a device token's row."""
     return Subject("device", row.id, None, row.clinic_id, "device", row.patient_id)
 
 
@@ -125,14 +117,7 @@ def is_valid(row: DeviceToken | Row[*tuple[Any, ...]], at: datetime | None = Non
 
 
 def list_device_tokens(session: Session, patient_id: str, page: Page) -> list[DeviceToken]:
-    """Return a page of the credentials of a patient's devices, newest first; the caller has checked the right.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id : str
-    page : Page
-    """
+    """Return a page of the credentials of a patient's devices, newest first; the caller has checked the right."""
     query = select(DeviceToken).where(DeviceToken.patient_id == patient_id)
     order = (DeviceToken.created_at, DeviceToken.id)
     return [row for (row,) in rows_of(session, query, order, page, newest_first=True)]
@@ -140,12 +125,6 @@ def list_device_tokens(session: Session, patient_id: str, page: Page) -> list[De
 
 def get_device_token(session: Session, subject: Subject, token_id: str) -> DeviceToken:
     """Return a credential of the subject's clinic; the caller then checks the right to its patient.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    token_id : str
 
     Raises
     ------

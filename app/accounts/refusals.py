@@ -31,7 +31,6 @@ class RefusedSignIns:
 
     Parameters
     ----------
-    engine : Engine
     settings : Settings
         For the key of fingerprints.
     """

@@ -34,7 +34,6 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
 
     Parameters
     ----------
-    services : Services
     wanted : SignInRequest
         As typed.
     address : str
@@ -97,8 +96,6 @@ def open_sign_in(
 
     Parameters
     ----------
-    services : Services
-    account_id : str
     agent : str
         User agent.
     old_token, browser : str or None
@@ -127,8 +124,6 @@ async def begin_second_factor(
 
     Parameters
     ----------
-    services : Services
-    current : FoundSignIn
     password : str
         The own one.
     address : str
@@ -157,8 +152,6 @@ async def remove_second_factor(services: Services, current: FoundSignIn, passwor
 
     Parameters
     ----------
-    services : Services
-    current : FoundSignIn
     password : str
         The own one.
     address : str
@@ -202,10 +195,8 @@ async def change_password(
 
     Parameters
     ----------
-    services : Services
     current : FoundSignIn
         Whose password, and the one browser session that stays.
-    body : PasswordIn
     address : str
         Of the client: guesses at the current password count as failed sign-ins.
     browser : str or None

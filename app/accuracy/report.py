@@ -22,8 +22,6 @@ def make_report(
 
     Parameters
     ----------
-    results : sequence of ProtocolResult
-    seeds, first_seed : int
     command : str
         As typed.
     data : sequence of str

@@ -139,8 +139,6 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
     page : Page

@@ -71,8 +71,6 @@ def session_values(
 
     Parameters
     ----------
-    session : Session
-    patient_ids : sequence of str
     exercise_id : str or sequence of str, optional
         Only sessions of this exercise, or of these.
     measures : sequence of str, optional
@@ -166,11 +164,6 @@ def store_drawn(session: Session, comparison_id: str) -> None:
     """Store each measure of a comparison drawn together over its repetitions, whose rows are there.
 
     By the database, once: progress over hundreds of sessions then reads a tenth of the rows.
-
-    Parameters
-    ----------
-    session : Session
-    comparison_id : str
     """
     drawn = (
         select(

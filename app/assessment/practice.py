@@ -47,14 +47,12 @@ class Done:
     ----------
     at : datetime
         When it began.
-    exercise_id : str or None
     prescription_id : str or None
         What it was begun from.
     repetitions : int
         Valid ones.
     active_s : float
         Time in them, in steady strides or in movement.
-    session_id : str
     """
 
     at: datetime
@@ -70,8 +68,6 @@ def zone_of(session: Session, clinic_id: str, default_zone: str) -> tzinfo:
 
     Parameters
     ----------
-    session : Session
-    clinic_id : str
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
     """
@@ -86,10 +82,8 @@ def list_prescriptions(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`.
-    patient_id : str
     default_zone : str
         Setting `time_zone`.
     """
@@ -105,8 +99,6 @@ def with_practice_of(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     one : tuple
         The prescription with the names of exercise and template.
     default_zone : str
@@ -134,14 +126,7 @@ def counts() -> ColumnElement[bool]:
 
 
 def done_since(session: Session, patient_ids: Iterable[str], start: datetime) -> dict[str, list[Done]]:
-    """Return the sessions that count since a time, by patient, oldest first; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_ids : iterable of str
-    start : datetime
-    """
+    """Return the sessions that count since a time, by patient, oldest first; access was checked."""
     found: dict[str, list[Done]] = defaultdict(list)
     rows = session.execute(
         select(
@@ -175,14 +160,7 @@ def done_since(session: Session, patient_ids: Iterable[str], start: datetime) ->
 
 
 def last_done(session: Session, patient_ids: Iterable[str], start: datetime) -> dict[str, datetime]:
-    """Return when each patient began the newest session that counts, where one did since a time; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_ids : iterable of str
-    start : datetime
-    """
+    """Return when each patient began the newest session that counts, where one did since a time; access was checked."""
     newest = (
         select(MotionSession.patient_id, func.max(WHEN))
         .where(MotionSession.patient_id.in_(patient_ids), counts(), start <= WHEN)
@@ -260,7 +238,6 @@ def adherence(
         Of one patient.
     done : iterable of Done
         Oldest first.
-    now : datetime
     zone : tzinfo
         In which weeks begin.
     history : mapping of str to sequence of DoseThen, optional

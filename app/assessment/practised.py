@@ -59,8 +59,6 @@ def practised_or_why(
 
     Parameters
     ----------
-    session : Session
-    found : MotionSession
     repetitions : iterable of Repetition, optional
         Judged, where a comparison has found them already.
     refused : str
@@ -69,7 +67,6 @@ def practised_or_why(
 
     Returns
     -------
-    Practised
     str
         Why it does not count though something was recorded; empty otherwise.
 
@@ -111,10 +108,6 @@ def practised_or_why(
 
 def walked_s(content: WalkContent) -> float:
     """Return how long somebody walked steadily, or how long a walking test took, in seconds.
-
-    Parameters
-    ----------
-    content : WalkContent
 
     Notes
     -----

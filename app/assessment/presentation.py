@@ -71,7 +71,6 @@ def phase_curves_out(template: Template, repetitions: Sequence[Float]) -> list[P
 
     Parameters
     ----------
-    template : Template
     repetitions : sequence of ndarray, shape (101, C)
         In the template's channels.
     """

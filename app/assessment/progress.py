@@ -41,10 +41,8 @@ def progress(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`.
-    patient_id : str
     exercise_id : str, optional
         The exercise practised last when absent: values of different exercises do not belong on one axis.
     default_zone : str
@@ -133,12 +131,7 @@ def _by_measure(values: list[SessionValue]) -> dict[str, list[SessionValue]]:
 
 
 def main_measure(exercise: Exercise) -> str:
-    """Return the key of an exercise's main measure: the range of its primary angle.
-
-    Parameters
-    ----------
-    exercise : Exercise
-    """
+    """Return the key of an exercise's main measure: the range of its primary angle."""
     return f"range:{exercise.primary_angle}"
 
 
@@ -179,7 +172,6 @@ def band(value: SessionValue, pooled: float | None) -> tuple[float, float]:
 
     Parameters
     ----------
-    value : SessionValue
     pooled : float or None
         Stands in for a session with a single repetition.
     """

@@ -34,7 +34,6 @@ class TemplateSearch:
 
     Attributes
     ----------
-    exercise_id, patient_id : str or None
     words : str
         Each must be in the name of the template or of its exercise, or in a tag.
     is_retired : bool

@@ -42,8 +42,6 @@ def walk_values(
 
     Parameters
     ----------
-    session : Session
-    patient_ids : sequence of str
     exercise_id : str or sequence of str, optional
         Only walks of this exercise, or of these.
 

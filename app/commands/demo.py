@@ -27,7 +27,6 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | 
 
     Parameters
     ----------
-    port : int
     folder : Path
         Database and files in passing.
     fresh : bool

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 def mapping_from(path: Path) -> "CsvMapping":
     """Read a mapping file.
 
-    Parameters
-    ----------
-    path : Path
-
     Raises
     ------
     InvalidInput
@@ -46,7 +42,6 @@ def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None)
 
     Parameters
     ----------
-    table : Path
     out : Path or None
         File to write; None writes to standard output.
     pipeline : str
@@ -125,7 +120,6 @@ def guessed_mapping(
 
     Parameters
     ----------
-    found : Preview
     written : Path or None
         Where the mapping is written, also when it is not complete.
     hemisphere : {"north", "south", "unknown"}, optional

@@ -30,7 +30,6 @@ def mass_centre(
 
     Parameters
     ----------
-    recording : Path
     out : Path
         Folder, made when absent.
     format : str

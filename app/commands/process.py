@@ -34,7 +34,6 @@ def process(
 
     Parameters
     ----------
-    recording : Path
     out : Path
         Folder, made when absent.
     pipeline, orientation : str

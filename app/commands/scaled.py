@@ -23,7 +23,6 @@ def edge(host: str, port: int) -> None:
     ----------
     host : str
         Address to listen on.
-    port : int
 
     Raises
     ------

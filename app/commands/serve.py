@@ -37,7 +37,6 @@ def serve(host: str, port: int) -> None:
     ----------
     host : str
         Address to listen on.
-    port : int
 
     Raises
     ------
@@ -129,7 +128,6 @@ class DrainingServer(uvicorn.Server):
 
     Parameters
     ----------
-    config : uvicorn.Config
     seconds : float
         Longest time for it; 0 ends all at once.
     """
@@ -162,8 +160,6 @@ def run_application(settings: Settings, app: ASGIApp, listener: socket.socket, d
 
     Parameters
     ----------
-    settings : Settings
-    app : ASGIApp
     listener : socket
         From `listen`.
     drain_s : float
@@ -211,7 +207,6 @@ def listen(host: str, port: int) -> socket.socket:
     ----------
     host : str
         Name or address of this machine.
-    port : int
 
     Returns
     -------

@@ -86,7 +86,6 @@ def restore(archive: Path, registers: Sequence[Path] = ()) -> None:
 
     Parameters
     ----------
-    archive : Path
     registers : sequence of Path
         Registers, or newer backups, which carry one.
 

@@ -23,8 +23,6 @@ async def send(service: ServiceClient, path: Path, declaration: UploadIn) -> Job
     ----------
     service : ServiceClient
         Signed in.
-    path : Path
-    declaration : UploadIn
 
     Raises
     ------
@@ -54,8 +52,6 @@ async def finished(service: ServiceClient, session_id: str, show: bool = False) 
 
     Parameters
     ----------
-    service : ServiceClient
-    session_id : str
     show : bool
         Print progress lines.
 

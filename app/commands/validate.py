@@ -45,7 +45,6 @@ def validate(
         How many work at once.
     data : Path or None
         Folder with recordings of BROAD, qmt or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
-    json, list_only : bool
     out : Path or None
         Also write the report, with plots, to this file.
     page : Path or None

@@ -59,7 +59,6 @@ class Manifest:
         Of the schema.
     created_at : str
         ISO 8601, UTC.
-    rows : dict of table to count
     sha256 : dict of table to hexadecimal digest
     audit_heads : dict of clinic to (number, hash)
         Last event of each clinic's audit chain.
@@ -117,10 +116,6 @@ def backup(engine: Engine, path: Path, more: More = lambda _: {}) -> Manifest:
 def verify(path: Path) -> Manifest:
     """Read a whole backup and check every row count and digest.
 
-    Parameters
-    ----------
-    path : Path
-
     Raises
     ------
     RecordingFormatError
@@ -147,7 +142,6 @@ def restore(path: Path, url: str) -> Manifest:
 
     Parameters
     ----------
-    path : Path
     url : str
         Of a database that does not exist yet (SQLite) or holds no tables (PostgreSQL).
 
@@ -184,7 +178,6 @@ def rows_of(path: Path, name: str) -> Iterator[bytes]:
     ----------
     path : Path
         Of a backup that was found whole.
-    name : str
     """
     with zipfile.ZipFile(path) as archive, archive.open(_entry(name)) as stream:
         yield from _rows(stream)

@@ -48,7 +48,6 @@ class Ended:
         One of `ACTIONS`.
     at : str
         ISO 8601, UTC.
-    clinic_id, patient_id, resource_id : str or None
     details : dict
         Of a consent, for what it is and whether it was given.
     hash : str
@@ -98,11 +97,6 @@ def of_event(row: Mapping[str, Any]) -> Ended | None:
 def add(path: Path, entries: Iterable[Ended]) -> None:
     """Write what is not in a register yet, and note that it is known until now; makes the file when there is none.
 
-    Parameters
-    ----------
-    path : Path
-    entries : iterable of Ended
-
     Raises
     ------
     OSError
@@ -126,24 +120,14 @@ def add(path: Path, entries: Iterable[Ended]) -> None:
 
 
 def read(path: Path) -> list[Ended]:
-    """Return what a register holds, oldest first; nothing when there is none. Lines that are cut off are left out.
-
-    Parameters
-    ----------
-    path : Path
-    """
+    """Return what a register holds, oldest first; nothing when there is none. Lines that are cut off are left out."""
     if not path.exists():
         return []
     return parse(path.read_bytes().splitlines())
 
 
 def parse(lines: Iterable[bytes]) -> list[Ended]:
-    """Return the events of lines, each once, oldest first; what is no whole line is left out.
-
-    Parameters
-    ----------
-    lines : iterable of bytes
-    """
+    """Return the events of lines, each once, oldest first; what is no whole line is left out."""
     found: dict[str, Ended] = {}
     for line in lines:
         try:

@@ -136,7 +136,6 @@ def try_to_write(engine: Engine, patience_ms: int) -> None:
 
     Parameters
     ----------
-    engine : Engine
     patience_ms : int
         How long to wait for SQLite's write lock.
 

@@ -38,11 +38,6 @@ def upgrade(url: str, revision: str = "head") -> None:
 def upgrade_engine(engine: Engine, revision: str = "head") -> None:
     """Bring the database of an engine to a revision.
 
-    Parameters
-    ----------
-    engine : Engine
-    revision : str
-
     Raises
     ------
     Conflict
@@ -64,7 +59,6 @@ def downgrade(url: str, revision: str) -> None:
 
     Parameters
     ----------
-    url : str
     revision : str
         Name of an earlier revision, or `base` for an empty database.
     """
@@ -77,12 +71,7 @@ def downgrade(url: str, revision: str) -> None:
 
 
 def current_revision(engine: Engine) -> str | None:
-    """Return the revision that a database is at; None when it was never migrated.
-
-    Parameters
-    ----------
-    engine : Engine
-    """
+    """Return the revision that a database is at; None when it was never migrated."""
     with engine.connect() as connection:
         return MigrationContext.configure(connection).get_current_revision()
 
@@ -96,12 +85,7 @@ def newest_revision() -> str:
 
 
 def is_known(revision: str) -> bool:
-    """Return whether this version of the service has a migration of that name.
-
-    Parameters
-    ----------
-    revision : str
-    """
+    """Return whether this version of the service has a migration of that name."""
     return any(script.revision == revision for script in ScriptDirectory(str(SCRIPTS)).walk_revisions())
 
 
@@ -125,10 +109,6 @@ def is_newest(url: str) -> bool:
 
 def require_newest(engine: Engine) -> None:
     """Refuse a database whose schema does not fit this version of the service.
-
-    Parameters
-    ----------
-    engine : Engine
 
     Raises
     ------

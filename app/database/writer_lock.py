@@ -278,7 +278,6 @@ class RunnerLock(_AdvisoryLock):
     ----------
     url : str
         As `Settings.database_url`.
-    purpose : str
 
     Raises
     ------

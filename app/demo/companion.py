@@ -42,7 +42,6 @@ async def for_ever(server: str, perform: Callable[[ServiceClient], Awaitable[Any
 
     Parameters
     ----------
-    server : str
     perform : async callable(service)
         Signed in as the therapist.
     pause_s : float

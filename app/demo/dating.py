@@ -10,14 +10,7 @@ from app.recordings.models import MotionSession, Result
 
 
 def date_back(engine: Engine, session_id: str, days: float) -> None:
-    """Move a session and what was made of it into the past.
-
-    Parameters
-    ----------
-    engine : Engine
-    session_id : str
-    days : float
-    """
+    """Move a session and what was made of it into the past."""
     shift = timedelta(days=days)
     with unit_of_work(engine) as session:
         found = session.get_one(MotionSession, session_id)

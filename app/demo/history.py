@@ -80,7 +80,6 @@ async def make_history(
         The same database, to date the sessions back.
     patient_ids : dict of str to str
         Identifier of each demonstration patient by e-mail.
-    progress : HistoryProgress
     say : callable(text)
         Called when all is there.
     """
@@ -202,8 +201,6 @@ async def record_template(
         Signed in as the therapist.
     engine : Engine
         To date it back.
-    person : DemoPatient
-    patient_id, exercise_id : str
     """
     options = replace(
         _options(person, patient_id, exercise_id, seed=7),

@@ -37,7 +37,6 @@ def write_markers(scenario: ArmScenario, segment: Placement, path: Path) -> None
         The same as that of the session: the same scenario is the same movement.
     segment : str
         One of its placements.
-    path : Path
     """
     truth = simulate_arm(scenario).truth
     row = scenario.placements.index(segment)
@@ -66,9 +65,6 @@ async def send_markers(
     ----------
     service : ServiceClient
         Signed in as the therapist.
-    session_id : str
-    scenario : ArmScenario
-    segment : str
 
     Raises
     ------

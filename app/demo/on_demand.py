@@ -46,7 +46,6 @@ def script_of(kind: CalibrationKind, scenario: ArmScenario) -> Script:
 
     Parameters
     ----------
-    kind : CalibrationKind
     scenario : ArmScenario
         Person, sensors, errors and mounting.
     """
@@ -81,7 +80,6 @@ class OnDemand:
     ----------
     device : DeviceStream
         Its counts are written to, ahead of what was sent.
-    scenario : ArmScenario
     """
 
     def __init__(self, device: DeviceStream, scenario: ArmScenario) -> None:

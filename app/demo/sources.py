@@ -84,8 +84,6 @@ async def make_source_session(service: ServiceClient, engine: Engine, patient_id
     ----------
     service : ServiceClient
         Signed in as the therapist, who confirms that nobody has an implant.
-    engine : Engine
-    patient_id : str
     """
     patient = await asyncio.to_thread(RelativePatient, MOVEMENT, DURATION_S, seed=3)
     sent = await asyncio.to_thread(rehearse, patient)

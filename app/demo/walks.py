@@ -43,12 +43,10 @@ async def make_walk(
     ----------
     service : ServiceClient
         Signed in as the therapist.
-    engine : Engine
     patient_id : str
         Whose left side is affected.
     exercise_id : str
         Of a walk.
-    walk : PastWalk
     """
     declaration = UploadIn(
         patient_id=patient_id,

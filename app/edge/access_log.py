@@ -32,10 +32,6 @@ REQUEST_ID_HEADER = "X-Request-ID"
 class AccessLog:
     """Logs method, route template, status and time. No addresses of patients, no query, no identifiers.
 
-    Parameters
-    ----------
-    app : ASGIApp
-
     Notes
     -----
     The identifier is made here and never taken from a client, who could put anything into the log with it.

@@ -41,12 +41,7 @@ def client_folder(settings: Settings) -> Path | None:
 
 
 def client_router(settings: Settings) -> APIRouter:
-    """Return the routes of the client; include them last, they match every path.
-
-    Parameters
-    ----------
-    settings : Settings
-    """
+    """Return the routes of the client; include them last, they match every path."""
     router = APIRouter(include_in_schema=False)
 
     @router.get("/{path:path}", response_class=Response)

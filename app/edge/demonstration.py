@@ -25,7 +25,6 @@ class HistoryProgress:
 
     Attributes
     ----------
-    path : Path
     total : int
         Steps of the whole.
     done : dict of str to str

@@ -70,10 +70,6 @@ _NO_NUL: Final = r"^[^\u0000]*$"
 def describe(app: FastAPI) -> dict[str, Any]:
     """Return the description of an application's routes; made once.
 
-    Parameters
-    ----------
-    app : FastAPI
-
     Returns
     -------
     dict

@@ -66,12 +66,7 @@ class BodyTooSlow(HTTPException):
 
 
 def register(app: FastAPI) -> None:
-    """Install the handlers.
-
-    Parameters
-    ----------
-    app : FastAPI
-    """
+    """Install the handlers."""
     handlers = {
         TelemotionError: _expected,
         HTTPException: _http,
@@ -90,9 +85,6 @@ def answer(status: int, code: str, message: str, details: dict[str, Any]) -> JSO
 
     Parameters
     ----------
-    status : int
-    code : str
-    message : str
     details : dict
         `retry_after_s` also becomes the header `Retry-After`.
     """
@@ -131,12 +123,7 @@ async def _http(connection: Request | WebSocket, error: Exception) -> Response |
 
 
 def allowed_methods(request: Request) -> list[str]:
-    """Return what may be done at a request's address, sorted; empty where nothing is.
-
-    Parameters
-    ----------
-    request : Request
-    """
+    """Return what may be done at a request's address, sorted; empty where nothing is."""
     path = request.scope["path"]
     found: set[str] = set()
     for context in iter_route_contexts(request.app.routes):
@@ -148,12 +135,7 @@ def allowed_methods(request: Request) -> list[str]:
 
 
 def method_not_allowed(request: Request) -> JSONResponse:
-    """Return the answer to a method that an address does not know, with those that it does.
-
-    Parameters
-    ----------
-    request : Request
-    """
+    """Return the answer to a method that an address does not know, with those that it does."""
     allowed = ", ".join(allowed_methods(request))
     refusal = answer(405, "method_not_allowed", say("edge.method", allowed=allowed or "GET"), {})
     refusal.headers["Allow"] = allowed or "GET"
@@ -178,13 +160,7 @@ async def _database_busy(connection: Request | WebSocket, error: Exception) -> R
 
 
 def unexpected(connection: HTTPConnection, error: Exception) -> JSONResponse:
-    """Log an error that nobody expected and return an answer that says nothing of it.
-
-    Parameters
-    ----------
-    connection : Request
-    error : Exception
-    """
+    """Log an error that nobody expected and return an answer that says nothing of it."""
     logger.error("unexpected %s in %s", type(error).__name__, _where(connection), exc_info=error)
     return answer(500, "internal", say("edge.unexpected"), {})
 

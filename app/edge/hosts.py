@@ -24,7 +24,6 @@ class KnownHosts:
 
     Parameters
     ----------
-    app : ASGIApp
     settings : Settings
         `base_url` and `allowed_hosts` name the service; where `base_url` is this machine's own, so do all of its names.
     """

@@ -57,13 +57,7 @@ def content_security_policy(settings: Settings) -> str:
 
 
 class SecurityHeaders:
-    """Adds the headers to every response; a header that a route has set itself stays.
-
-    Parameters
-    ----------
-    app : ASGIApp
-    settings : Settings
-    """
+    """Adds the headers to every response; a header that a route has set itself stays."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self.app = app
@@ -103,8 +97,6 @@ class BodyLimit:
 
     Parameters
     ----------
-    app : ASGIApp
-    default_bytes : int
     by_path : mapping of path to bytes
         Routes with a larger limit; a path with one `*` holds for any text there.
     """
@@ -158,10 +150,6 @@ MOST_PATH_BYTES: Final = 4096
 class WholeAddresses:
     """Refuses a NUL in an address, which no database identifier and no file name holds, and addresses that are longer
     than any file's.
-
-    Parameters
-    ----------
-    app : ASGIApp
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -187,12 +175,7 @@ def _leads_nowhere(path: str) -> bool:
 
 
 class UnexpectedErrors:
-    """Answers what no handler expected, inside the security headers and the access log.
-
-    Parameters
-    ----------
-    app : ASGIApp
-    """
+    """Answers what no handler expected, inside the security headers and the access log."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app

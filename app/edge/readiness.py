@@ -50,12 +50,7 @@ class ReadyOut(Schema):
 
 
 class Readiness:
-    """Looks at the parts that storing needs, again and again.
-
-    Parameters
-    ----------
-    checks : mapping of str to Check
-    """
+    """Looks at the parts that storing needs, again and again."""
 
     def __init__(
         self, checks: Mapping[str, Check], *, every_s: float = EVERY_S, patience_s: float = PATIENCE_S
@@ -122,15 +117,7 @@ class Readiness:
 
 
 def storing_checks(settings: Settings, engine: Engine, lock: WriterLock, recorder: Any) -> dict[str, Check]:
-    """Return what storing needs.
-
-    Parameters
-    ----------
-    settings : Settings
-    engine : Engine
-    lock : WriterLock
-    recorder : GroupCommitWriter
-    """
+    """Return what storing needs."""
     return {
         "lock": lock.trouble,
         "database": partial(_write, engine),

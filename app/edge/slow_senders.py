@@ -121,7 +121,6 @@ def timed_headers(
 
     Parameters
     ----------
-    header_limit_s : float
     floor_bytes_per_s : float
         Slowest rest of a body that was answered before its end.
     """
@@ -134,7 +133,6 @@ class TimedBodies:
 
     Parameters
     ----------
-    app : ASGIApp
     floor_bytes_per_s : float
         A sender at least so fast is waited for as long as its body lasts.
     patience_s : float

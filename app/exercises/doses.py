@@ -23,7 +23,6 @@ class DoseThen:
     ----------
     start, end : datetime
         Half-open; `end` is None while nobody has changed it.
-    repetitions, sets, times_per_week : int
     days : tuple of int
         1 is Monday; empty: any day of the week.
     times : tuple of str
@@ -48,7 +47,6 @@ def doses_of(prescription: Prescription, changes: Iterable[PrescriptionChange] =
 
     Parameters
     ----------
-    prescription : Prescription
     changes : iterable of PrescriptionChange
         Its own, in any order. What is no part of the dose (band, limits, template) starts no new one.
 
@@ -92,19 +90,12 @@ def dose_on(doses: Sequence[DoseThen], at: datetime) -> DoseThen:
     ----------
     doses : sequence of DoseThen
         Of one prescription, oldest first; not empty.
-    at : datetime
     """
     return next((one for one in reversed(doses) if one.start <= at), doses[0])
 
 
 def dose_histories(session: Session, prescriptions: Iterable[Prescription]) -> dict[str, list[DoseThen]]:
-    """Return the doses of prescriptions over time, by prescription; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    prescriptions : iterable of Prescription
-    """
+    """Return the doses of prescriptions over time, by prescription; access was checked."""
     given = list(prescriptions)
     changes: dict[str, list[PrescriptionChange]] = defaultdict(list)
     wanted = PrescriptionChange.prescription_id.in_([one.id for one in given])

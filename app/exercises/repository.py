@@ -28,25 +28,13 @@ NO_SUCH_PRESCRIPTION = say("prescription.not_found")
 
 
 def list_exercises(session: Session, subject: Subject) -> list[Exercise]:
-    """Return the clinic's exercises by name; they are no patient data.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    """
+    """Return the clinic's exercises by name; they are no patient data."""
     query = select(Exercise).where(Exercise.clinic_id == subject.clinic_id)
     return list(session.scalars(query.order_by(Exercise.name, Exercise.id)))
 
 
 def get_exercise(session: Session, subject: Subject, exercise_id: str) -> Exercise:
     """Return an exercise of the subject's clinic.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    exercise_id : str
 
     Raises
     ------
@@ -64,10 +52,8 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         A therapist or administrator.
-    body : ExerciseIn
 
     Raises
     ------
@@ -96,11 +82,8 @@ def change_exercise(session: Session, subject: Subject, exercise_id: str, body: 
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         A therapist or administrator.
-    exercise_id : str
-    body : ExerciseChange
 
     Raises
     ------
@@ -140,10 +123,8 @@ def list_prescriptions(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`.
-    patient_id : str
     """
     require_patient(session, subject, patient_id, "read")
     audit.record(session, subject, "prescription.list", patient_id)
@@ -151,13 +132,7 @@ def list_prescriptions(
 
 
 def present_prescriptions(session: Session, patient_id: str) -> list[tuple[Prescription, str, str | None]]:
-    """Return the same without a question who may; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id : str
-    """
+    """Return the same without a question who may; access was checked."""
     now = utc_now()
     rows = session.execute(
         select(Prescription, Exercise.name, Template.name)
@@ -179,11 +154,8 @@ def create_prescription(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `treat`.
-    patient_id : str
-    body : PrescriptionIn
 
     Raises
     ------
@@ -216,11 +188,8 @@ def change_prescription(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `treat` for its patient.
-    prescription_id : str
-    body : PrescriptionChangeIn
 
     Raises
     ------
@@ -347,10 +316,8 @@ def end_prescription(session: Session, subject: Subject, prescription_id: str) -
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `treat` for its patient.
-    prescription_id : str
 
     Raises
     ------

@@ -85,7 +85,6 @@ class GatewayReport:
     ----------
     sent, resent : int
         Messages; `resent` are those sent again after a break or on request.
-    connections : int
     errors : list of ErrorMessage
         Typed errors that did not end the connection; the first hundred.
     dropped : int

@@ -34,13 +34,9 @@ class DeviceStream:
 
     Attributes
     ----------
-    placements : tuple of str
-    rate_hz : float
     counts : ndarray of int16, shape (K, S, W)
     full_scales : mapping of str to float
         Of the counts, by channel; `FULL_SCALES` unless the device has others.
-    ticks_per_packet : int
-    device : str
     serials : tuple of str
         One a sensor, or none.
     channels : Channel

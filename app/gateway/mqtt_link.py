@@ -16,13 +16,7 @@ PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 
 
 class MqttLink:
-    """A link by MQTT; see `app.gateway.links.Link`.
-
-    Parameters
-    ----------
-    url : str
-    ticket : str
-    """
+    """A link by MQTT; see `app.gateway.links.Link`."""
 
     window: int | None = WINDOW
 

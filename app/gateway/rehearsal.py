@@ -43,11 +43,8 @@ class Rehearsal:
 
     Attributes
     ----------
-    recording : Recording
-    wanted : CalibrationIn
     next_s : tuple of float
         Session times at which a step is ended by hand.
-    start_s : float
     first_pose : bool
         Hold the standing pose first: headings can be set anew only after a calibration.
     """
@@ -64,7 +61,6 @@ def rehearsal_of(kind: CalibrationKind, scenario: ArmScenario | None = None, see
 
     Parameters
     ----------
-    kind : CalibrationKind
     scenario : ArmScenario, optional
         Person, sensors and mounting; what is done is put in its place.
     seed : int

@@ -80,10 +80,6 @@ class RelativePatient:
         A key of `RELATIVE_MOVEMENTS`.
     duration_s : float
         A bench lasts as long as its places take.
-    rate_hz : float
-    seed : int
-    faults : RelativeFaults
-    ticks_per_packet : int
     bursts : FixedBursts, optional
         The source fires these by itself, whatever it is asked.
     """

@@ -38,9 +38,6 @@ def fuse_tracks(
 
     Parameters
     ----------
-    tracks : MarkerTracks
-    declared : MarkerFileIn
-    time_step_s : float
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
         Even ticks from time zero; NaN where nothing was measured.
     bridged : ndarray of bool, shape (K,), optional
@@ -98,7 +95,6 @@ def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> Marke
 
     Parameters
     ----------
-    fusion : OpticalFusion
     marker : str
         Its name.
     start_s : float
@@ -181,7 +177,6 @@ def motion_of(fusion: OpticalFusion, result: OpticalResult | None = None) -> NDA
 
     Parameters
     ----------
-    fusion : OpticalFusion
     result : OpticalResult, optional
         The smoothed one by default.
     """

@@ -182,7 +182,6 @@ def pipeline_of(declaration: UploadIn, placements: Sequence[str]) -> str:
 
     Parameters
     ----------
-    declaration : UploadIn
     placements : sequence of str
         Of its sensors, as far as they are known.
     """

@@ -82,8 +82,6 @@ class IngestConnection:
 
     Parameters
     ----------
-    websocket : GatewaySocket
-    sink : PacketSink
     speed : float
         Seconds of signal that are read in a second, see `Pace`.
     lean : LeanSocket, optional

@@ -60,7 +60,6 @@ class PublishedFrames:
 
     Parameters
     ----------
-    frames : Frames
     published_at_s : float
         Server time since the epoch.
     """
@@ -98,8 +97,6 @@ def block_heads(
     Parameters
     ----------
     ticks, first_ticks : ndarray of int64, shape (N,)
-    columns : int
-    time_step_s, published_at_s : float
     """
     words = np.empty((len(ticks), HEAD_WORDS), dtype=np.uint32)
     _fill_heads(_heads_of(words), ticks, columns, first_ticks, time_step_s, published_at_s)
@@ -145,7 +142,6 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
 
     Parameters
     ----------
-    frames : Frames
     published_at_s : float, optional
         By default the present.
     """

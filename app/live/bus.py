@@ -36,8 +36,6 @@ class Subscription:
 
     Parameters
     ----------
-    bus : MemoryBus
-    topics : tuple of str
     size : int
         Messages held; the oldest is dropped when one more comes.
     """
@@ -110,13 +108,7 @@ class Listener(Protocol):
 
 
 class Channel:
-    """One topic: whoever publishes often holds it, and looks at `listeners` before it makes a costly message.
-
-    Parameters
-    ----------
-    name : str
-    metrics : BusMetrics
-    """
+    """One topic: whoever publishes often holds it, and looks at `listeners` before it makes a costly message."""
 
     __slots__ = ("__weakref__", "_metrics", "listeners", "name")
 

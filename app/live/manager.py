@@ -55,10 +55,8 @@ class LiveManager(SteeredSide):
 
     Parameters
     ----------
-    engine : Engine
     writer : GroupCommitWriter
         Started.
-    bus : Bus
     on_closed : callable(session_id)
         Called in a thread when everything of a session is stored: queues its analysis, once.
     limits : Limits
@@ -236,8 +234,6 @@ class LiveManager(SteeredSide):
 
         Parameters
         ----------
-        stored : StoredSession
-        declaration : Declaration
         subject : Subject, optional
             Whose limits count a session that is opened.
         is_admitted : bool

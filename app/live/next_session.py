@@ -56,7 +56,6 @@ def next_session(engine: Engine, device: Subject, confirmation_hours: float) -> 
 
     Parameters
     ----------
-    engine : Engine
     device : Subject
         Of a device token; its patient is the only one that is looked at.
     confirmation_hours : float

@@ -68,9 +68,6 @@ def authorise(
 
     Parameters
     ----------
-    engine : Engine
-    subject : Subject
-    session_id : str
     level : {"status", "read", "record", "treat", "manage"}
     action : str, optional
         Written to the audit trail, e.g. `session.calibrate`.
@@ -383,7 +380,6 @@ def unfinished(
 
     Parameters
     ----------
-    engine : Engine
     is_own : callable(session_id)
         Whose are wanted.
     """

@@ -38,7 +38,6 @@ class LiveSide(ABC):
 
     Parameters
     ----------
-    engine : Engine
     bus : Bus
         On which views hear of sessions.
     """

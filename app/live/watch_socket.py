@@ -125,7 +125,6 @@ class BlockSender:
     ----------
     name : str
         Topic of the blocks.
-    socket : LeanSocket
     """
 
     def __init__(self, name: str, socket: LeanSocket) -> None:

@@ -20,12 +20,7 @@ WRONG: Final = Limit(capacity=60, recovery_s=1.0)
 
 
 class WrongTickets:
-    """Counts them by address, in this process.
-
-    Parameters
-    ----------
-    limit : Limit
-    """
+    """Counts them by address, in this process."""
 
     def __init__(self, limit: Limit = WRONG) -> None:
         self._counter = LeakyCounter(limit)
@@ -60,14 +55,7 @@ class WrongTickets:
 
 
 class CountedSink:
-    """Opens sessions for one address; implements `PacketSink`.
-
-    Parameters
-    ----------
-    sink : PacketSink
-    wrong : WrongTickets
-    address : str
-    """
+    """Opens sessions for one address; implements `PacketSink`."""
 
     def __init__(self, sink: PacketSink, wrong: WrongTickets, address: str) -> None:
         self._sink, self._wrong, self._address = sink, wrong, address

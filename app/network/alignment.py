@@ -176,7 +176,6 @@ class Aligner:
 
         Parameters
         ----------
-        packet : Packet
         sequence : int
             Unwrapped; each at most once.
         time_us : int

@@ -30,7 +30,6 @@ def frame_head(first: int, size: int) -> bytes:
     ----------
     first : int
         `WHOLE_TEXT` or `WHOLE_BINARY`.
-    size : int
     """
     if size < MEDIUM:
         return bytes((first, size))

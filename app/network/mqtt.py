@@ -26,10 +26,6 @@ WINDOW: Final = 256
 def connection_name(ticket: str) -> str:
     """Return the name of the connection that a ticket opens: nobody else can guess it.
 
-    Parameters
-    ----------
-    ticket : str
-
     Returns
     -------
     str

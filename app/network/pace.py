@@ -53,7 +53,6 @@ def pause_s(connections: int, seconds: float) -> float:
 
     Parameters
     ----------
-    connections : int
     seconds : float
         In which all of them are to be ended.
     """

@@ -84,7 +84,6 @@ class Packet:
         As sent, modulo 2^32.
     device_time_us : int
         Device clock at the first tick.
-    tick_interval_us : int
     sensor_count, tick_count : int
         S and K.
     channels : int

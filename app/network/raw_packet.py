@@ -25,7 +25,6 @@ class RawPacket:
         Sequence number of the packet; may go on above 32 bits where the sender's counter wrapped.
     device_time_us : int
         Device clock at the first tick, as sent.
-    tick_interval_us : int
     sensor_count, tick_count, channel_mask, encoding, flags : int
         Fields of the packet header (design page, section 4); encoding 0 is float32, 1 is int16 counts.
     payload : bytes

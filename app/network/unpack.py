@@ -27,7 +27,6 @@ class Unpacker:
 
     Parameters
     ----------
-    declaration : Declaration
     has_magnetometer : bool
         Whether the signals carry a third channel; NaN in packets without one.
     clip_levels : ndarray, shape (S, 2, 2, 3)

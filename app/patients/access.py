@@ -92,17 +92,12 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Who asks.
     patient_id : str
         Whose data.
     level : {"status", "read", "record", "treat", "manage", "erase"}
         What is to be done; see the module text.
-
-    Returns
-    -------
-    Patient
 
     Raises
     ------
@@ -122,13 +117,7 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
 
 
 def refusals(session: Session, questions: Sequence[Asked]) -> list[NotFound | NotAllowed | None]:
-    """Return what `require_patient` would raise for each question, None where it would not; in at most 3 statements.
-
-    Parameters
-    ----------
-    session : Session
-    questions : sequence of Asked
-    """
+    """Return what `require_patient` would raise for each question, None where it would not; in at most 3 statements."""
     if not questions:
         return []
     rows = session.execute(_PATIENTS, {"ids": list({asked.patient_id for asked in questions})})
@@ -146,12 +135,6 @@ def refusals(session: Session, questions: Sequence[Asked]) -> list[NotFound | No
 def require_own_or_manage(session: Session, subject: Subject, patient_id: str) -> Patient:
     """Return the patient to who may manage its data, and to the patient: for own devices and own consents.
 
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-
     Raises
     ------
     NotFound, NotAllowed
@@ -165,14 +148,7 @@ def require_own_or_manage(session: Session, subject: Subject, patient_id: str) -
 
 
 def levels(session: Session, subject: Subject, patient: Patient) -> frozenset[Level]:
-    """Return every level that the subject has for the patient, consent left aside.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient : Patient
-    """
+    """Return every level that the subject has for the patient, consent left aside."""
     return _held(subject, patient, _granted(session, [Asked(subject, patient.id, "status")]))
 
 

@@ -20,15 +20,7 @@ from app.settings import Settings
 
 
 def device_tokens(session: Session, subject: Subject, patient_id: str, page: Page) -> list[DeviceTokenOut]:
-    """Return a page of a patient's device tokens without the tokens themselves.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    page : Page
-    """
+    """Return a page of a patient's device tokens without the tokens themselves."""
     require_own_or_manage(session, subject, patient_id)
     record(session, subject, "device_token.list", patient_id)
     return [_token_out(row) for row in list_device_tokens(session, patient_id, page)]
@@ -37,16 +29,7 @@ def device_tokens(session: Session, subject: Subject, patient_id: str, page: Pag
 def add_device_token(
     session: Session, settings: Settings, subject: Subject, patient_id: str, wanted: DeviceTokenIn
 ) -> DeviceTokenOut:
-    """Make a device token; it is shown this once.
-
-    Parameters
-    ----------
-    session : Session
-    settings : Settings
-    subject : Subject
-    patient_id : str
-    wanted : DeviceTokenIn
-    """
+    """Make a device token; it is shown this once."""
     require_own_or_manage(session, subject, patient_id)
     row, token = create_device_token(session, settings, subject, patient_id, wanted.label, wanted.days)
     record(session, subject, "device_token.create", patient_id, row.id)
@@ -58,8 +41,6 @@ def offer_pairing(session: Session, book: PairingBook, offer: Offer) -> PairingC
 
     Parameters
     ----------
-    session : Session
-    book : PairingBook
     offer : Offer
         The token, and who gives it.
     """
@@ -74,8 +55,6 @@ def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
 
     Parameters
     ----------
-    session : Session
-    settings : Settings
     offer : Offer
         From a code that was used up.
     """
@@ -83,14 +62,7 @@ def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
 
 
 def revoke_device_token(session: Session, subject: Subject, token_id: str) -> None:
-    """End a device token now.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    token_id : str
-    """
+    """End a device token now."""
     row = get_device_token(session, subject, token_id)
     try:
         require_own_or_manage(session, subject, row.patient_id)

@@ -26,9 +26,6 @@ def get_patient(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    patient_id : str
     level : str
         See `app.patients.access`.
     action : str
@@ -46,9 +43,6 @@ def list_patients(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    page : Page
     archived : bool, optional
         Only archived patients, or only the others; all when absent.
     """
@@ -63,15 +57,7 @@ def list_patients(
 
 
 def note_once_an_hour(session: Session, subject: Subject, action: str, patient_ids: list[str]) -> None:
-    """Audit a list for each patient in it, but not again within an hour: pages refresh lists by themselves.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    action : str
-    patient_ids : list of str
-    """
+    """Audit a list for each patient in it, but not again within an hour: pages refresh lists by themselves."""
     recent = set(
         session.scalars(
             select(AuditEvent.patient_id).where(
@@ -93,7 +79,6 @@ def create_patient(session: Session, subject: Subject, fields: dict[str, Any]) -
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         A therapist or administrator.
     fields : dict
@@ -122,11 +107,8 @@ def require_no_twin(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Asked about among the patients in its reach; of others nothing is said, not even that they are there.
-    given_name, family_name : str
-    birth_date : date or None
 
     Raises
     ------
@@ -151,10 +133,8 @@ def update_patient(session: Session, subject: Subject, patient_id: str, fields: 
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `manage`.
-    patient_id : str
     fields : dict
         Only what changes; the audit trail names the fields, not their values.
     """
@@ -174,11 +154,8 @@ def set_archived(session: Session, subject: Subject, patient: Patient, is_archiv
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     patient : Patient
         For which the subject has the level `manage`.
-    is_archived : bool
     """
     if (patient.archived_at is not None) == is_archived:
         return
@@ -197,8 +174,6 @@ def erase_patient(session: Session, subject: Subject, patient: Patient, details:
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     patient : Patient
         For which the subject has the level `erase`; archived, and nothing is at work on its recordings.
     details : dict
@@ -214,25 +189,12 @@ def erase_patient(session: Session, subject: Subject, patient: Patient, details:
 
 
 def may_treat(session: Session, subject: Subject, patient: Patient) -> bool:
-    """Return whether the subject may record templates and prescribe for a patient it can see.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient : Patient
-    """
+    """Return whether the subject may record templates and prescribe for a patient it can see."""
     return "treat" in levels(session, subject, patient)
 
 
 def mounting_of(session: Session, patient_id: str) -> Mounting | None:
-    """Return how a patient's sensors sat when they were last calibrated; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id : str
-    """
+    """Return how a patient's sensors sat when they were last calibrated; access was checked."""
     return session.scalar(select(Mounting).where(Mounting.patient_id == patient_id))
 
 
@@ -241,7 +203,6 @@ def mounted_patients(session: Session, patient_ids: list[str]) -> set[str]:
 
     Parameters
     ----------
-    session : Session
     patient_ids : list of str
         Access was checked.
     """
@@ -253,8 +214,6 @@ def treated_patients(session: Session, subject: Subject, patient_ids: list[str])
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     patient_ids : list of str
         Access was checked.
     """
@@ -276,10 +235,8 @@ def list_grants(session: Session, subject: Subject, patient_id: str) -> list[tup
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`: patients see who may look.
-    patient_id : str
     """
     require_patient(session, subject, patient_id, "read")
     audit.record(session, subject, "grant.list", patient_id)
@@ -304,13 +261,11 @@ def create_grant(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `manage`.
     patient_id, account_id : str
         Of the same clinic.
     level : {"read", "treat"}
-    expires_at : datetime, optional
 
     Raises
     ------
@@ -340,10 +295,8 @@ def revoke_grant(session: Session, subject: Subject, grant_id: str) -> Grant:
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `manage` for the patient, or the holder giving the right back.
-    grant_id : str
 
     Raises
     ------

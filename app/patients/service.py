@@ -29,9 +29,6 @@ def list_patients(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    page : Page
     archived : bool, optional
         Only archived patients, or only the others; all when absent.
     """
@@ -43,26 +40,12 @@ def list_patients(
 
 
 def get_patient(session: Session, subject: Subject, patient_id: str) -> PatientOut:
-    """Return one patient.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    """
+    """Return one patient."""
     return patient_out(session, subject, repository.get_patient(session, subject, patient_id))
 
 
 def create_patient(session: Session, subject: Subject, body: NewPatientIn) -> PatientOut:
-    """Store a new patient.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    body : NewPatientIn
-    """
+    """Store a new patient."""
     if not body.is_another_person:
         repository.require_no_twin(session, subject, body.given_name, body.family_name, body.birth_date)
     fields = body.model_dump(exclude={"body_dimensions", "agrees_to_treatment", "is_another_person"})
@@ -74,15 +57,7 @@ def create_patient(session: Session, subject: Subject, body: NewPatientIn) -> Pa
 
 
 def update_patient(session: Session, subject: Subject, patient_id: str, body: PatientPatch) -> PatientOut:
-    """Change what the request names; `null` clears a date of birth or a side, never a name.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    body : PatientPatch
-    """
+    """Change what the request names; `null` clears a date of birth or a side, never a name."""
     fields = body.model_dump(exclude_unset=True, exclude={"body_dimensions", "is_archived"})
     if body.body_dimensions is not None:
         fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
@@ -97,8 +72,6 @@ def patient_out(session: Session, subject: Subject, patient: Patient) -> Patient
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     patient : Patient
         Access was checked.
     """
@@ -116,27 +89,12 @@ def patient_out(session: Session, subject: Subject, patient: Patient) -> Patient
 
 
 def list_grants(session: Session, subject: Subject, patient_id: str) -> list[GrantOut]:
-    """Return who may see a patient.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    """
+    """Return who may see a patient."""
     return [_grant_out(*row) for row in repository.list_grants(session, subject, patient_id)]
 
 
 def create_grant(session: Session, subject: Subject, patient_id: str, body: GrantIn) -> GrantOut:
-    """Give a colleague a right.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    body : GrantIn
-    """
+    """Give a colleague a right."""
     if body.expires_at is not None and body.expires_at.tzinfo is None:
         raise InvalidInput(say("grant.end_needs_zone"), field="expires_at")
     return _grant_out(
@@ -145,29 +103,14 @@ def create_grant(session: Session, subject: Subject, patient_id: str, body: Gran
 
 
 def patient_audit(session: Session, subject: Subject, patient_id: str, page: Page) -> list[AuditOut]:
-    """Return who did what with a patient's data, newest first; patients read their own.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    page : Page
-    """
+    """Return who did what with a patient's data, newest first; patients read their own."""
     patient = require_patient(session, subject, patient_id, "read")
     record(session, subject, "audit.read", patient_id)
     return read_audit(session, patient.clinic_id, patient_id, page)
 
 
 def consents(session: Session, subject: Subject, patient_id: str) -> list[ConsentOut]:
-    """Return what the patient agreed to.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    """
+    """Return what the patient agreed to."""
     require_patient(session, subject, patient_id, "read")
     record(session, subject, "consent.read", patient_id)
     return [ConsentOut.model_validate(row) for row in _answers(session, patient_id)]
@@ -178,11 +121,8 @@ def put_consent(session: Session, subject: Subject, patient_id: str, body: Conse
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         The patient, or who has the level `manage` and writes down what the patient said.
-    patient_id : str
-    body : ConsentIn
     """
     require_own_or_manage(session, subject, patient_id)
     _note_consent(session, subject, patient_id, body.purpose, body.granted)

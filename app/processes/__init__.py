@@ -55,7 +55,6 @@ class Child:
         Must be picklable.
     memory_bytes : int
         Most that it may allocate; beyond it `MemoryError` is raised in it.
-    name : str
     """
 
     def __init__(self, work: Callable[..., None], *arguments: Any, memory_bytes: int, name: str) -> None:

@@ -94,7 +94,6 @@ class Reader(ABC):
     ----------
     title, description : str
         For people who choose: a few words, and a sentence.
-    endings : frozenset of str
     pipeline : str
         The only kind of session that such a file can be; empty where it depends on the file.
     asks_pipeline : bool

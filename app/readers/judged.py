@@ -59,10 +59,6 @@ def judged(
     remedy : Sentence
         What a person can do about a refusal at this door.
 
-    Returns
-    -------
-    Judgement
-
     Raises
     ------
     ImplausibleReadings

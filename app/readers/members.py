@@ -54,7 +54,6 @@ def members_of(archive: Path, most_bytes: int = MOST_BYTES) -> list[Member]:
 
     Parameters
     ----------
-    archive : Path
     most_bytes : int
         Of all of them unpacked.
 

@@ -148,7 +148,6 @@ def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPack
 
     Parameters
     ----------
-    recording : Recording
     any_name : bool
         Single sensors: what they are called need be no placement.
 

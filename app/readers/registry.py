@@ -54,7 +54,6 @@ def read(path: Path, format: str = "auto", csv: "CsvMapping | None" = None, name
 
     Parameters
     ----------
-    path : Path
     format : str
         A name in `readers()`, or `auto`: by the file's ending and content.
     csv : CsvMapping, optional
@@ -97,7 +96,6 @@ def guess(path: Path, name: str = "") -> str:
 
     Parameters
     ----------
-    path : Path
     name : str
         What the file was called before it was uploaded. By default its name.
 

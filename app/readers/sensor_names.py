@@ -15,10 +15,6 @@ _NAME: Final = re.compile(r"\w[\w .-]*")
 def check_names(names: Iterable[str]) -> None:
     """Refuse names of sensors that hold anything else.
 
-    Parameters
-    ----------
-    names : iterable of str
-
     Raises
     ------
     RecordingFormatError

@@ -85,7 +85,6 @@ def check_accelerometer(values: Float, time_step_s: float, unit: str, where: str
     values : ndarray, shape (N, 3)
         m/s^2 after conversion from `unit`. Over a whole run the median of a foot is twice gravity; between its swings
         it stands.
-    time_step_s : float
     unit : str
         As declared.
     where : str

@@ -29,7 +29,6 @@ def check_mat(path: Path, most_bytes: int = MOST_BYTES) -> None:
     ----------
     path : Path
         A file of version 4 passes: it has nothing compressed.
-    most_bytes : int
 
     Raises
     ------
@@ -80,10 +79,8 @@ def check_hdf5(file: "h5py.File", names: list[str], most_bytes: int = MOST_BYTES
 
     Parameters
     ----------
-    file : h5py.File
     names : list of str
         Data sets that will be read.
-    most_bytes : int
 
     Raises
     ------

@@ -57,7 +57,6 @@ def frames_table(
 
     Parameters
     ----------
-    frames : Frames
     body : BodyDimensions, optional
         Of their setup: elbows, wrists and hands then come with uncertainty, velocity and acceleration; frames at
         full rate.

@@ -51,7 +51,6 @@ def remove_files_of(session: Session, settings: Settings, session_ids: Select[An
     ----------
     session : Session
         Writing.
-    settings : Settings
     session_ids : Select
         Of one column.
     """
@@ -64,8 +63,6 @@ def remove_orphans(engine: Engine, settings: Settings, older_than_s: float = 0.0
 
     Parameters
     ----------
-    engine : Engine
-    settings : Settings
     older_than_s : float
         Where files are being received: longer than one takes.
 

@@ -26,7 +26,6 @@ class DescribedPoints:
 
     Attributes
     ----------
-    names : tuple of str
     position_m, velocity_mps, acceleration_mps2, sigma_m : ndarray, shape (K, P, 3)
         Room axes; NaN in gaps, before the calibration, and of sigma where the method tells none.
     """

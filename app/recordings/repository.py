@@ -148,8 +148,6 @@ def prescribed_at(session: Session, found: MotionSession, at: datetime) -> str |
 
     Parameters
     ----------
-    session : Session
-    found : MotionSession
     at : datetime
         With a time zone.
 

@@ -50,7 +50,6 @@ def origin_of(recording: Path, format: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    recording : Path
     format : str
         As it was read.
     """

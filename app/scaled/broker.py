@@ -74,13 +74,7 @@ class _Client(Client):
 
 
 class Broker:
-    """Connected to NATS, with the streams there.
-
-    Parameters
-    ----------
-    client : Client
-    settings : Settings
-    """
+    """Connected to NATS, with the streams there."""
 
     def __init__(self, client: Client, settings: Settings) -> None:
         self.client = client
@@ -167,7 +161,6 @@ async def connect(settings: Settings, name: str, *, is_edge: bool = False) -> Br
 
     Parameters
     ----------
-    settings : Settings
     name : str
         Of this process, as NATS lists it.
     is_edge : bool

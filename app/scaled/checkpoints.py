@@ -22,7 +22,6 @@ def save(engine: Engine, partition: int, position: int, checkpoints: Mapping[str
     ----------
     engine : Engine
         Fenced.
-    partition, position : int
     checkpoints : mapping of str to Checkpoint
         By session; the packets before each are stored. Those of sessions that are gone or closed are left out.
     """

@@ -39,7 +39,6 @@ class Fence:
 
     Parameters
     ----------
-    partition, fencing : int
     refused : callable()
         Called, in the thread that wanted to write, when the database has refused it.
     """
@@ -78,7 +77,6 @@ def take_over(engine: Engine, partition: int, holder: str) -> tuple[int, int]:
     ----------
     engine : Engine
         Of PostgreSQL; not fenced.
-    partition : int
     holder : str
         The name of this process's connections, by which the next holder ends them.
     """
@@ -103,12 +101,7 @@ def take_over(engine: Engine, partition: int, holder: str) -> tuple[int, int]:
 
 
 def holders(engine: Engine) -> dict[int, int]:
-    """Return the fencing number of every partition that was ever held.
-
-    Parameters
-    ----------
-    engine : Engine
-    """
+    """Return the fencing number of every partition that was ever held."""
     with engine.connect() as connection:
         return {row.partition: row.fencing for row in connection.execute(_HOLDERS)}
 

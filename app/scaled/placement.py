@@ -10,7 +10,6 @@ def share_of(rank: int, workers: int, partitions: int) -> tuple[int, int]:
     ----------
     rank : int
         Place of the worker's name among those of all.
-    workers, partitions : int
     """
     least, more = divmod(partitions, workers)
     return rank * least + min(rank, more), least + (rank < more)

@@ -58,7 +58,6 @@ def fill(
 
     Parameters
     ----------
-    settings : Settings
     contents : sequence of iterable of bytes
         By partition, in order.
     prepare : callable(positions)

@@ -36,7 +36,6 @@ def partition_of(session_id: str, partitions: int) -> int:
 
     Parameters
     ----------
-    session_id : str
     partitions : int
         How many there are.
     """
@@ -73,7 +72,6 @@ class Seal:
         ----------
         name : str
             Its subject.
-        data : bytes
         """
         return self._mark(name, data) + data
 

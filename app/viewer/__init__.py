@@ -15,7 +15,6 @@ async def open_viewer(services: Services, stack: AsyncExitStack) -> None:
     ----------
     services : Services
         With engine and bus.
-    stack : AsyncExitStack
     """
     viewer = Viewer(services.engine, services.get(MemoryBus), services.limits)
     await viewer.start()

@@ -146,7 +146,6 @@ class Camera:
 
         Parameters
         ----------
-        turn_deg, tilt_deg : float
         zoom : float
             Above 1 comes nearer.
         """
@@ -170,7 +169,6 @@ def around(name: Preset, height_m: float, size_m: float, aspect: float) -> Camer
         `arm` comes near.
     height_m, size_m : float
         Of its middle, and its largest extent.
-    aspect : float
     """
     azimuth, elevation = {
         "start": (52.0, 22.0),
@@ -204,7 +202,6 @@ def preset(
     ----------
     name : {"start", "front", "side", "top", "arm", "movement"}
         `start` is half from the side: it shows reaching forward as well as raising sideways.
-    body : BodyDimensions
     side : str
         `left` or `right`: the arm that matters; it is turned toward the camera.
     aspect : float

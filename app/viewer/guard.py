@@ -48,10 +48,6 @@ class SceneSecret:
 def guarded(secret: SceneSecret) -> Iterator[None]:
     """Put the check in front of the one websocket server that is begun meanwhile.
 
-    Parameters
-    ----------
-    secret : SceneSecret
-
     Raises
     ------
     Unavailable

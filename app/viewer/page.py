@@ -50,7 +50,6 @@ class Page:
 
     Attributes
     ----------
-    html : str
     script_hashes : tuple of str
         `'sha256-...'`, for the policy.
     """

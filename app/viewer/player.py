@@ -42,14 +42,7 @@ SILENCE_S: Final = 1.0
 
 
 class ReplayPlayer:
-    """Plays a stored track.
-
-    Parameters
-    ----------
-    scene : BodyScene
-    track : PoseTrack
-    ghost_clock : GhostClock or None
-    """
+    """Plays a stored track."""
 
     def __init__(self, scene: BodyScene, track: PoseTrack, ghost_clock: GhostClock | None) -> None:
         self._scene = scene
@@ -125,10 +118,6 @@ class LivePlayer:
 
     Parameters
     ----------
-    scene : BodyScene
-    bus : Bus
-    session_id : str
-    body : BodyDimensions
     ghost_duration_s : float or None
         Of the template, which is shown over and over as the example to follow; not while the patient holds the
         calibration pose, where it would be the wrong example.

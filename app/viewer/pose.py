@@ -133,7 +133,6 @@ def track_from_frames(frames: Frames, body: BodyDimensions, posture: Posture = "
 
     Parameters
     ----------
-    frames : Frames
     body : BodyDimensions
         Of the session's setup.
     posture : {"standing", "seated"}
@@ -349,7 +348,6 @@ def thinned(frames: Frames, rate_hz: float = 60.0) -> Frames:
 
     Parameters
     ----------
-    frames : Frames
     rate_hz : float
         The result is at least as fast, if the frames are.
     """

@@ -38,10 +38,8 @@ async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id:
     ----------
     websocket : WebSocket
         Not yet accepted.
-    viewer : Viewer
     subject : Subject
         Who opened it.
-    view_id : str
 
     Raises
     ------

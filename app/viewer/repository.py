@@ -95,9 +95,6 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
 
     Parameters
     ----------
-    engine : Engine
-    subject : Subject
-    session_id : str
     wanted : ViewIn
         Without a template, the prescribed one's newest version is taken.
 

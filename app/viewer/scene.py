@@ -48,7 +48,6 @@ class BodyScene:
     ----------
     server : viser.ViserServer
         Empty; bound to loopback by the caller.
-    body : BodyDimensions
     measured : frozenset of str
         Segments that a sensor drives; the others are drawn paler.
     affected_side : str or None
@@ -183,7 +182,6 @@ class BodyScene:
 
         Parameters
         ----------
-        track : PoseTrack
         tick : int
             Index into the track.
         trail : ndarray of float32, shape (N, 2, 3), optional
@@ -264,7 +262,6 @@ class BodyScene:
 
         Parameters
         ----------
-        phase : float or None
         with_path : bool
             Whether the way of its hand stays in view.
         """

@@ -113,8 +113,6 @@ class Viewer:
 
     Parameters
     ----------
-    engine : Engine
-    bus : Bus
     limits : Limits
         How many scenes may stand at once.
     unwatched_s : float

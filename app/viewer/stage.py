@@ -55,8 +55,6 @@ class Stage:
 
     Parameters
     ----------
-    target : ViewTarget
-    contents : Contents
     bus : Bus
         For live sessions.
 

@@ -66,10 +66,6 @@ _decoder = msgspec.msgpack.Decoder(_CameraMessage)
 def admit(data: bytes) -> Admitted | None:
     """Check a message from the browser.
 
-    Parameters
-    ----------
-    data : bytes
-
     Returns
     -------
     Admitted or None

@@ -146,7 +146,6 @@ class JointHeadingConstraint:
     ----------
     joints : sequence of HingeJoint
         Kind of each joint.
-    time_step_s : float
     parameters : mapping of HingeJoint to HeadingConstraintParameters, optional
         For the kinds that shall differ from the defaults.
 
@@ -207,10 +206,6 @@ class JointHeadingConstraint:
             False where either orientation is held or lost; NaN counts as lost too.
         referenced : ndarray of bool, shape (K, J), optional
             True where both headings come from magnetometers that are trusted: the offset is drawn to zero.
-
-        Returns
-        -------
-        HeadingConstraintResult
 
         Raises
         ------

@@ -171,8 +171,6 @@ def continuous_shoulder_angles(
     Parameters
     ----------
     q_thorax_humerus : ndarray, shape (K, 4)
-    side : Side
-    time_step_s : float
     previous : ndarray, shape (3,), optional
         Angles at the tick before.
     """
@@ -223,7 +221,6 @@ def segments_from_angles(
     ----------
     columns : mapping of column name to array, shape (...)
         Joint angles and `trunk_*_rad` scalars in radians; missing ones are zero.
-    sides : tuple of Side
 
     Returns
     -------

@@ -48,10 +48,6 @@ class ArmResult(NamedTuple):
 def model_lengths(body: BodyDimensions) -> Float:
     """Return the lengths that the kinematic chain uses, in the order of the kernel.
 
-    Parameters
-    ----------
-    body : BodyDimensions
-
     Returns
     -------
     ndarray, shape (7,)
@@ -87,7 +83,6 @@ class ArmModel:
 
     Parameters
     ----------
-    body : BodyDimensions
     placements : sequence of Placement
         Worn sensors; orientations are given in this order. Legs and pelvis are carried along unused.
     time_step_s : float
@@ -161,10 +156,6 @@ class ArmModel:
             `ArmResult.previous_angle_rad` of the ticks before, so that any chunking gives the same bits.
         more_points, more_angles, more_scalars : int
             Columns left empty behind those of the model, for whoever has more to say of these ticks.
-
-        Returns
-        -------
-        ArmResult
 
         Raises
         ------

@@ -43,7 +43,6 @@ def angular_velocity(q_room_segment: Float, time_step_s: float, window_s: float 
     ----------
     q_room_segment : ndarray, shape (K, ..., 4)
         Consecutive ticks; NaN in gaps.
-    time_step_s : float
     window_s : float
         Length of the local polynomials of the quaternion.
 
@@ -88,7 +87,6 @@ def point_motion(
         `Frames.layout.segments`, the G columns.
     body : BodyDimensions
         Of the session's setup.
-    time_step_s : float
     angular_velocity_room_radps : ndarray, shape (K, G, 3), optional
         From the gyroscopes; without it the rates are those of the orientations.
     points : sequence of str, optional
@@ -96,10 +94,6 @@ def point_motion(
     acceleration_window_s : float
         Of the third-order polynomials: 0.5 s as in A19, which takes off tremor of 5 Hz almost whole; shorter
         follows quick movements and passes more noise.
-
-    Returns
-    -------
-    PointMotion
 
     Raises
     ------

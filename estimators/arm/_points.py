@@ -123,7 +123,6 @@ class PointCovariance(NamedTuple):
 
     Attributes
     ----------
-    points : tuple of str
     position_m : ndarray, shape (K, P, 3)
         In room axes, from the chosen origin.
     covariance_m2 : ndarray, shape (K, P, 3, 3)
@@ -156,11 +155,8 @@ def point_covariance(
     ----------
     q_room_segment : ndarray, shape (K, G, 4)
         In the order of `placements`.
-    placements : sequence of Placement
-    body : BodyDimensions
     orientation_sigma_rad : ndarray, shape (K, G, 3) or (K, G, 3, 3)
         One-sigma about the room axes, or full covariances (rad^2) about them.
-    length_sigma : LengthSigma, optional
     points : sequence of str, optional
         By default elbow, wrist and hand of each side that the sensors allow.
     origin : {"room", "shoulder"}

@@ -98,8 +98,6 @@ def angles_in_sequence(
     ----------
     q_parent_child : array_like, shape (..., 4)
         For instance `q_thorax_humerus`; NaN gives NaN.
-    joint : Joint
-    side : Side
     sequence : Sequence, optional
         About the ISB axes, each turned with the one before; the standard one of the joint by default.
     continuous : bool

@@ -39,8 +39,6 @@ def joint_angle_sigma(
 
     Parameters
     ----------
-    joint : Joint
-    side : Side
     q_room_parent, q_room_child : ndarray, shape (..., 4)
     sigma_parent_room_rad, sigma_child_room_rad : ndarray, shape (..., 3)
         About the room axes.

@@ -28,9 +28,6 @@ class BothFeet:
 
     Attributes
     ----------
-    rate_hz : float
-    pose : dict of Side to ShoePose
-    reaction : dict of Side to GroundReaction
     force_n : ndarray, shape (N, 3)
         Of the ground on the person.
     cop_m : ndarray, shape (N, 3)
@@ -85,10 +82,6 @@ def combine_feet(
         taken out, half of it from each and in proportion to the way walked.
     weights : {"vertical", "published"}
         See `total_reaction`.
-
-    Returns
-    -------
-    BothFeet
 
     Raises
     ------

@@ -26,7 +26,6 @@ class Change:
 
     Attributes
     ----------
-    mean_a, mean_b : float
     difference, sigma : float
         B less A and its standard error.
     p : float

@@ -27,7 +27,6 @@ def distance_between_feet(
     ----------
     reactions : dict of Side to GroundReaction
         Each foot in a frame of its own: same heading, but both starting at zero along `axis`.
-    rate_hz, mass_kg : float
     com_height_m : float
         Above the floor; 0.55 of stature does.
     axis : int

@@ -19,7 +19,6 @@ class Effect:
     ----------
     name : str
         A factor, or factors joined by ` x ` for their interaction.
-    f : float
     degrees : (float, float)
         Of effect and error.
     p : float

@@ -149,10 +149,6 @@ def stability_margin(
         From `sole_corners`.
     floor_m : float or ndarray, shape (N,)
 
-    Returns
-    -------
-    StabilityMargin
-
     Raises
     ------
     SetupError
@@ -183,7 +179,6 @@ def sideways_margin(
     extrapolated_m : ndarray, shape (N, 3)
     corners_m : ndarray, shape (N, J, 2)
         Of that foot, from `sole_corners`.
-    side : Side
     heading_rad : float or ndarray, shape (N,)
         Where the person walks.
     """

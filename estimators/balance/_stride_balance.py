@@ -52,11 +52,8 @@ def stride_balance(
 
     Parameters
     ----------
-    feet : BothFeet
-    contact : mapping of Side to ShoeContact
     centre : MassCentre
         On the same N samples.
-    mass_kg : float
     """
     parts = tuple(
         slice(int(a), int(b))

@@ -19,7 +19,6 @@ class WalkingWork:
         Sums of what forward (and sideways) kinetic, potential with vertical kinetic, and total energy gain.
     recovery : float
         Part that the pendulum gives back, 0 to 1: `(forward + vertical - external) / (forward + vertical)`.
-    distance_m : float
     """
 
     forward_j: float
@@ -40,7 +39,6 @@ def walking_work(position_m: Float, velocity_mps: Float, mass_kg: float) -> Walk
     Parameters
     ----------
     position_m, velocity_mps : ndarray, shape (N, 3)
-    mass_kg : float
 
     Raises
     ------

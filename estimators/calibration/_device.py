@@ -102,13 +102,8 @@ def correct(chunk: ImuChunk, devices: Sequence[DeviceCalibration | None]) -> Imu
 
     Parameters
     ----------
-    chunk : ImuChunk
     devices : sequence of DeviceCalibration or None, length S
         In the order of the sensors; None leaves a sensor as it is.
-
-    Returns
-    -------
-    ImuChunk
 
     Raises
     ------

@@ -56,8 +56,6 @@ class FerrarisResult:
     square_error_rad : float
         Largest deviation from a right angle between two accelerometer axes, as seen from the sides it lay on:
         the sensor's own, plus a table that is not level or a case that is not square.
-    score : float
-    reasons : tuple of str
     """
 
     device: DeviceCalibration
@@ -78,7 +76,6 @@ def find_positions(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
         Right to some 10 percent: counts must have been scaled by the data sheet.
-    rate_hz : float
 
     Returns
     -------
@@ -168,15 +165,10 @@ def ferraris(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
         Of one sensor, right to some 10 percent.
-    rate_hz : float
     rests, turns : sequence, optional
         Where they are; found automatically by default.
     gravity_mps2 : float
         At the place.
-
-    Returns
-    -------
-    FerrarisResult
 
     Raises
     ------

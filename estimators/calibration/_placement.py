@@ -33,7 +33,6 @@ class PlacementFinding:
     ----------
     code : str
         One of `PlacementCode`, for programs.
-    placements : tuple of Placement
     text : str
         Which sensor, and what to do, for people.
     """
@@ -44,12 +43,7 @@ class PlacementFinding:
 
 
 class MisplacedError(CalibrationError):
-    """Sensors sit on the wrong segment, so nothing can be found.
-
-    Parameters
-    ----------
-    findings : sequence of PlacementFinding
-    """
+    """Sensors sit on the wrong segment, so nothing can be found."""
 
     def __init__(self, findings: Sequence[PlacementFinding]) -> None:
         super().__init__(CATALOGUE.together([finding.text for finding in findings]))
@@ -63,7 +57,6 @@ def check_segments(
 
     Parameters
     ----------
-    side : Side
     upper_rates, forearm_rates : iterable of ndarray, shape (N, 3)
         Of both movements, rad/s.
     """

@@ -76,7 +76,6 @@ def static_bias(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (S, K, 3)
         Sensor axes; NaN where samples are missing.
-    time_step_s : float
     q_earth_sensor : ndarray, shape (S, 4), optional
         The known attitude of each sensor; needed for the bias of the accelerometer.
     gyroscope_limit_radps, accelerometer_limit_mps2 : float
@@ -85,10 +84,6 @@ def static_bias(
         Refuse if a sensor moved; otherwise only say so in `still`.
     names : sequence of str, optional
         What to call the sensors in errors: placements, or other names; numbers otherwise.
-
-    Returns
-    -------
-    StaticBias
 
     Raises
     ------

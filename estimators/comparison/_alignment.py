@@ -179,10 +179,6 @@ def align(first: Float, second: Float, scale: Float, band: float = BAND) -> Alig
     band : float
         Half width of the band as a share of the second series.
 
-    Returns
-    -------
-    Alignment
-
     Raises
     ------
     ShapeError
@@ -235,7 +231,6 @@ def apply(alignment: Alignment, first: Float, samples: int) -> Float:
 
     Parameters
     ----------
-    alignment : Alignment
     first : ndarray, shape (N, C)
     samples : int
         Length M of the second series.

@@ -43,7 +43,6 @@ class ToleranceCurve:
 
     Attributes
     ----------
-    channel : str
     knots : tuple of Knot
         In order of phase, different phases. Straight lines between them, level before the first and after the last;
         next to a free knot the band is free as far as the next one.

@@ -130,8 +130,6 @@ class Comparison:
 
     Attributes
     ----------
-    source : Trajectory
-    template : Template
     reach_m : float
         Upper arm plus forearm of the person measured.
     """
@@ -282,8 +280,6 @@ def difference_score(
 
     Parameters
     ----------
-    first, second : Trajectory
-    first_repetition, second_repetition : Repetition
     first_reach_m, second_reach_m : float
         Positions count in units of each person's own reach.
     side : {"left", "right"}

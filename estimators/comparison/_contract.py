@@ -79,11 +79,8 @@ class Template:
 
     Attributes
     ----------
-    channels : tuple of str
     mean, tolerance : ndarray, shape (101, C)
         The recorded band is `mean +- tolerance`: Student's t times the spread after alignment, not less than the floor.
-    duration_s, duration_sd_s : float
-    repetition_count : int
     primary_channel : str
         The channel whose range is the main measure.
     reach_m : float

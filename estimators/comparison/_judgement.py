@@ -87,7 +87,6 @@ def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: s
 
     Parameters
     ----------
-    source : Trajectory
     repetitions : list of Repetition
         As found; those already dropped (by a person) stay dropped with their reason.
     side : {"left", "right"}

@@ -26,7 +26,6 @@ def posture(source: Trajectory, side: str) -> Float:
 
     Parameters
     ----------
-    source : Trajectory
     side : {"left", "right"}
         The side that exercised.
 

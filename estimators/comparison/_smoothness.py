@@ -24,7 +24,6 @@ def spectral_arc_length(speed: Float, rate_hz: float) -> float:
     ----------
     speed : ndarray, shape (N,)
         Any unit; only the shape counts.
-    rate_hz : float
 
     Returns
     -------

@@ -75,11 +75,6 @@ def relate_by_course(
         Distance of the feet at the start; measured, or given by forces.
     end_apart_m : float, optional
         The same at the end, where the feet are side by side again.
-    apart_sigma_m : float
-
-    Returns
-    -------
-    CommonCourse
 
     Raises
     ------

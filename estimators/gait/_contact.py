@@ -54,7 +54,6 @@ def force_events(
     ----------
     heel_force_n, forefoot_force_n : ndarray, shape (K,), or None
         Vertical force of the ground on heel and forefoot; a single sensor below the whole foot is both.
-    rate_hz : float
     threshold_n, hysteresis_n : float
         Contact begins above the threshold and ends below threshold less hysteresis.
     debounce_s : float

@@ -75,7 +75,6 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
 
     Parameters
     ----------
-    feet : mapping of Side to Strides
     kind : str
         A six-minute walk counts no more than six minutes from the first step.
 

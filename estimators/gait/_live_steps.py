@@ -65,8 +65,6 @@ class LiveStepTracker:
 
     Parameters
     ----------
-    sides : tuple of Side
-    time_step_s : float
     apart_m : float, optional
         Distance of the heels at the start.
     height_m : float

@@ -137,10 +137,6 @@ def steps_between(
         course, so (0, -0.15) for feet side by side. It must be measured (by the therapist, or by forces): two
         inertial sensors cannot tell.
 
-    Returns
-    -------
-    Steps
-
     Raises
     ------
     ShapeError

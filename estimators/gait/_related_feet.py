@@ -55,7 +55,6 @@ class RelatedFeet:
         Whether the source saw this foothold; the others lie where the right foot's own way puts them between those.
     heading_rad : ndarray, shape (n,)
         By which the right foot's world is turned against the left one's, at each foothold.
-    steps : Steps
     right : FootTrajectory
         The right foot's whole way, in the left one's world.
     """
@@ -84,8 +83,6 @@ def relate_feet(
     ----------
     left, right : FootTrajectory
         Each in its own world.
-    left_holds, right_holds : Footholds
-    relative : RelativeFeet
 
     Raises
     ------

@@ -58,10 +58,6 @@ class Footholds:
 def find_rests(trajectory: FootTrajectory) -> list[tuple[int, int]]:
     """Join stretches of stance between which the foot did not go anywhere, and leave out what is no walking.
 
-    Parameters
-    ----------
-    trajectory : FootTrajectory
-
     Returns
     -------
     list of (int, int)

@@ -102,14 +102,8 @@ def find_stance(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
         Sensor axes, finite.
-    rate_hz : float
-    parameters : FootParameters
     is_missing : ndarray of bool, shape (N,), optional
         Where nothing was measured and values only stand in: never a stance.
-
-    Returns
-    -------
-    Stance
 
     Notes
     -----
@@ -298,7 +292,6 @@ def gravity_scale(gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: fl
     Parameters
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
-    rate_hz : float
     """
     width = round(_CALIBRATION_WINDOW_S * rate_hz)
     if len(gyroscope_radps) < width:

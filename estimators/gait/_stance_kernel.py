@@ -43,7 +43,6 @@ def stance_statistic(
     Parameters
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
-    first, stop : int
     half : int
         Samples on either side of the centred window, which is cut at the ends of the arrays.
     gyroscope_scale, accelerometer_scale : float
@@ -169,7 +168,6 @@ def local_minimum(
     statistic : ndarray, shape (N,)
     allowed, found : ndarray of bool, shape (N,)
         Input and output.
-    first, stop, half : int
     """
     samples = statistic.shape[0]
     for k in range(first, stop):
@@ -267,7 +265,6 @@ def noise_densities(
         Root of the length of the gap that a sample was filled into over the scale; none: all were measured.
     cut_off : ndarray of uint8, shape (N,) or (0,)
         Bits `CUT_RATE` and `CUT_FORCE` of samples that are marked, in addition to what is beyond the declared levels.
-    first, stop : int
     settings : ndarray, shape (NOISE,)
     force_variance : ndarray, shape (stop - first,)
         Output, (m/s)^2/s.

@@ -58,7 +58,6 @@ def missing_samples(
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     rests : list of (int, int)
         Half-open stretches of samples in which the foot rests; a stride lies between two of them.
 

@@ -29,7 +29,6 @@ class Strides:
 
     Attributes
     ----------
-    side : Side
     footholds : Footholds
         One more than strides.
     toe_off_s, contact_s : ndarray, shape (n,)
@@ -136,7 +135,6 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     side : Side
         Decides what is outward.
 
@@ -228,7 +226,6 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     rests : list of (int, int)
         Half-open stretches of samples in which the foot rests.
 

@@ -54,7 +54,6 @@ class GaitSummary:
         along turns.
     turn_count : int
         Turns of a foot by at least 20 degrees within consecutive strides the same way, the larger of the feet.
-    bout_count : int
     reasons : tuple of str
         What could not be given, and why.
     """
@@ -72,10 +71,6 @@ class GaitSummary:
 
 def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
     """Put the strides of one or both feet into numbers.
-
-    Parameters
-    ----------
-    feet : mapping of Side to Strides
 
     Returns
     -------
@@ -171,7 +166,6 @@ def measure_steps(
 
     Parameters
     ----------
-    left_m, left_s, right_m, right_s, right_from_left_m : ndarray
     strides : mapping of Side to Strides, optional
         Between these footholds: only steps between Record and Stop are measured.
 
@@ -215,7 +209,6 @@ def step_measures(
 
     Parameters
     ----------
-    steps : Steps
     shared_sigma_m : float
         One sigma of where the feet are against each other, which is the same for all steps and so no count makes
         smaller.

@@ -119,7 +119,6 @@ class GuidanceTemplate:
         Channel by which targets are counted.
     steering : tuple of str
         Channels that tell the phase, F of them, each with a weight above zero.
-    duration_s : float
     mean : ndarray, shape (101, C)
         Absolute, in the patient's metres.
     below, above : ndarray, shape (101, C)
@@ -180,7 +179,6 @@ class GuidanceChunk:
 
     Attributes
     ----------
-    first_tick : int
     phase, sigma : ndarray, shape (N,)
         (8): 0 to 1. NaN until the prompted rest is over. At rest the phase says nothing.
     rest, wrong : ndarray, shape (N,)
@@ -191,8 +189,6 @@ class GuidanceChunk:
         (10): y - y0 - mu(phase) and its standard deviation, NaN where unknown.
     repetitions : tuple of CountedRepetition
         That ended in this chunk.
-    cues : tuple of Cue
-    stops : tuple of Stopped
     """
 
     first_tick: int

@@ -85,16 +85,12 @@ class Guide:
 
     Parameters
     ----------
-    ready : GuidanceTemplate
     tick_s : float
         Time between ticks, 1/200 to 1/20 s.
     valid_share : float
         q of (9).
     rules : sequence of CueRule, optional
         `default_rules` unless given.
-    stops : sequence of StopRule
-    pace : CuePace
-    parameters : GuidanceParameters, optional
 
     Raises
     ------
@@ -190,10 +186,6 @@ class Guide:
         ----------
         values, sigma : ndarray, shape (N, C)
             As `signals` gives them: rad and m, NaN where unknown. Any number of ticks at once.
-
-        Returns
-        -------
-        GuidanceChunk
 
         Raises
         ------

@@ -179,13 +179,10 @@ def run(
     settings_row : record array of `SETTINGS`, shape (1,)
     state_row : record array of `STATE`, shape (1,)
         Changed.
-    model : Model
     memory : Memory
         Changed.
-    work : Work
     out, spoken : Out, Spoken
         Written from the first row on.
-    orders : Orders
     said : Said
         Changed.
     """

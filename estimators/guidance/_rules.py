@@ -44,7 +44,6 @@ class CueRule:
         How long it must be so without a break.
     priority : int
         1 is the most urgent.
-    is_on : bool
     """
 
     quantity: Quantity
@@ -119,7 +118,6 @@ class Cue:
 
     Attributes
     ----------
-    tick : int
     sentence : str
         Code.
     rule : CueRule, or None
@@ -147,7 +145,6 @@ class Stopped:
 
     Attributes
     ----------
-    tick : int
     kind : str
         Of `StopRule`, or `pain`.
     rule : StopRule, or None

@@ -68,10 +68,6 @@ def prepare_template(
         Channels that tell the phase, in the template's names. By default angles without a singularity, and the wrist
         where they move too little to tell it; the main channel always does. Compensation should not.
 
-    Returns
-    -------
-    GuidanceTemplate
-
     Raises
     ------
     SetupError
@@ -223,11 +219,6 @@ def shoulder_of(channel: str) -> str:
 
 def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
     """Pick what `Guide.feed` takes out of a session or a piece of one.
-
-    Parameters
-    ----------
-    source : Trajectory
-    ready : GuidanceTemplate
 
     Returns
     -------

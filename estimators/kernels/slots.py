@@ -14,11 +14,6 @@ def sparse_zeros(shape: tuple[int, ...], dtype: DTypeLike = np.float64) -> NDArr
 
     NumPy asks for huge pages where an array is large: whoever writes a few rows of it then waits milliseconds until two
     megabytes are cleared. That suits what is worked on all the time, not rows that a session fills within seconds.
-
-    Parameters
-    ----------
-    shape : tuple of int
-    dtype : dtype
     """
     if not hasattr(mmap, "MADV_NOHUGEPAGE"):
         return np.zeros(shape, dtype)

@@ -28,10 +28,8 @@ class ShoeParameters:
 
     Attributes
     ----------
-    geometry : ShoeGeometry
     cutoff_hz : float
         Of the Butterworth low-pass there and back over all signals, of order 2; zero for none.
-    contact : ContactParameters
     position_mode : {"flat", "pivot", "published"}
     is_level : bool
         Whether all stances are on one floor.
@@ -59,11 +57,6 @@ class ShoeKinetics:
 
     Attributes
     ----------
-    rate_hz : float
-    contact : ShoeContact
-    pose : ShoePose
-    loads : ShoeLoads
-    reaction : GroundReaction
     ankle, hinge : JointLoad, or None
         None for the ankle without a sensor on the lower leg.
     shank_rate_radps : ndarray, shape (N, 3), or None
@@ -102,15 +95,10 @@ def analyse_shoe(
         On one even time base, with load cells; bring them there first.
     shank : SensorSignals, optional
         On the lower leg, in segment axes after `q_segment_sensor`; needed for the ankle's power.
-    parameters : ShoeParameters, optional
     calibrations : pair of LoadCellCalibration, optional
         Heel and forefoot cell, when the files hold voltages: force has outputs 1 to 3, moment 4 to 6.
     q_segment_sensor : three ndarrays, shape (4,), optional
         Mounting of heel, forefoot and shank sensor; identity by default.
-
-    Returns
-    -------
-    ShoeKinetics
 
     Raises
     ------
@@ -196,12 +184,10 @@ def segment_rate(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
         Segment axes.
-    rate_hz : float
     contact : ShoeContact
         At every rest the leg is given the heading of the foot, less the mean that it has there: its own
         heading drifts, for there is no compass.
     q_room_heel : ndarray, shape (N, 4)
-    estimator : str
 
     Returns
     -------

@@ -23,8 +23,6 @@ def on_one_time_base(
     ----------
     recording : Recording
         Finite samples; inertial and load channels of one sensor share their stamps.
-    names : tuple of str
-    rate_hz : float
     cutoff_hz : float
         A sensor more than twice as fast is low-passed with this first, there and back, so that nothing above
         half the new rate is folded down.
@@ -118,7 +116,6 @@ def lag_s(first: Float, second: Float, rate_hz: float, longest_s: float = 5.0) -
     ----------
     first, second : ndarray, shape (N,) and (M,)
         The same quantity from two systems, the turning of the lower leg say, at one rate.
-    rate_hz : float
     longest_s : float
         Where to look, both ways.
 

@@ -68,12 +68,6 @@ def shoe_contact(
     ----------
     heel_force_n, forefoot_force_n : ndarray, shape (N,)
         Tared, upward positive.
-    rate_hz : float
-    parameters : ContactParameters, optional
-
-    Returns
-    -------
-    ShoeContact
     """
     chosen = parameters or ContactParameters()
     least = max(1, round(chosen.debounce_s * rate_hz))

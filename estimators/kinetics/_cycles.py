@@ -38,12 +38,6 @@ def over_cycles(values: Float, landings: NDArray[np.int64], rate_hz: float, poin
     values : ndarray, shape (N,) or (N, D)
     landings : ndarray of int, shape (C + 1,)
         Samples at which the foot lands.
-    rate_hz : float
-    points : int
-
-    Returns
-    -------
-    CycleCurves
 
     Raises
     ------
@@ -69,7 +63,6 @@ class ForcePeaks:
 
     Attributes
     ----------
-    loading, valley, push_off : float
     is_double : bool
         Whether there are two peaks with a valley between; slow and impaired gait may have one.
     """
@@ -86,7 +79,6 @@ def force_peaks(vertical_n: Float, weight_n: float, least_depth: float = 0.02) -
     Parameters
     ----------
     vertical_n : ndarray, shape (N,)
-    weight_n : float
     least_depth : float
         Of the valley, as a part of body weight, to be more than noise.
 

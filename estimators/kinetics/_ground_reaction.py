@@ -83,16 +83,9 @@ def ground_reaction(
 
     Parameters
     ----------
-    loads : ShoeLoads
-    pose : ShoePose
     floor_m : float or ndarray, shape (N,)
         Height of the floor. Schepers (2009) equation 2.8 takes the height of the heel sensor for it (E2):
         to repeat that, give `ShoeGeometry.sensor_height_m`.
-    least_n : float
-
-    Returns
-    -------
-    GroundReaction
 
     Notes
     -----
@@ -130,7 +123,6 @@ def pressure_point(force_n: Float, moment_nm: Float, floor_m: Float, least_n: fl
     force_n, moment_nm : ndarray, shape (..., N, 3)
         Moment about the origin of the frame.
     floor_m : ndarray, shape (N,)
-    least_n : float
 
     Returns
     -------

@@ -18,7 +18,6 @@ class FootSegment:
 
     Attributes
     ----------
-    mass_kg : float
     centre_m : tuple of 3 floats
         Centre of mass in the heel frame.
     inertia_kgm2 : tuple of 3 floats
@@ -54,18 +53,10 @@ def ankle_load(
 
     Parameters
     ----------
-    reaction : GroundReaction
-    pose : ShoePose
     shank_rate_radps : ndarray, shape (N, 3)
         Room axes.
-    rate_hz : float
-    geometry : ShoeGeometry, optional
     foot : FootSegment, optional
         Its weight and inertia are taken into account; without it the foot is massless (quasi-static form).
-
-    Returns
-    -------
-    JointLoad
 
     Notes
     -----

@@ -52,10 +52,6 @@ def calibrate_load_cell(output: Float, load: Float) -> LoadCellCalibration:
     load : ndarray, shape (N, 6)
         Force in N and moment in Nm about the centre of the cell, in its axes; include no load at all.
 
-    Returns
-    -------
-    LoadCellCalibration
-
     Raises
     ------
     ShapeError
@@ -122,7 +118,6 @@ def is_tareable(is_unloaded: NDArray[np.bool_], is_swinging: NDArray[np.bool_], 
     Parameters
     ----------
     is_unloaded, is_swinging : ndarray of bool, shape (N,)
-    rate_hz : float
     """
     if is_swinging.sum() < _LEAST_SWING_S * rate_hz:
         return True
@@ -167,7 +162,6 @@ def tare(
     load : ndarray, shape (N, 6)
     is_unloaded : ndarray of bool, shape (N,)
         From `unloaded`, of this cell.
-    rate_hz : float
     guard_s : float
         Left out at both ends of a swing, where the shoe still touches.
     least_s : float

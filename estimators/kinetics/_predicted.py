@@ -44,14 +44,9 @@ def predicted_reaction(
     ----------
     com_m, com_acceleration_mps2 : ndarray, shape (N, 3)
         Of the centre of mass: from worn segments, or a sensor on the pelvis.
-    mass_kg : float
     contact : dict of Side to ndarray of bool, shape (N,)
         From gait events.
     floor_m : float or ndarray, shape (N,)
-
-    Returns
-    -------
-    PredictedReaction
 
     Raises
     ------

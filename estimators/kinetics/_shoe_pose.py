@@ -102,19 +102,12 @@ def shoe_pose(
     ----------
     heel, forefoot : (gyroscope in rad/s, accelerometer in m/s^2), each shape (N, 3)
         In segment axes, filtered.
-    contact : ShoeContact
-    rate_hz : float
-    geometry : ShoeGeometry, optional
     mode : {"flat", "pivot", "published"}
         Where the double integration begins and ends: from rest to rest; from heel-off to heel-down with the
         speed and height of the rolling foot; or the same with zero speed and height as printed, which is
         50 to 60 mm short a stride and only here to show it.
     is_level : bool
         Every stance has the height of the first; switch off for stairs.
-
-    Returns
-    -------
-    ShoePose
 
     Raises
     ------

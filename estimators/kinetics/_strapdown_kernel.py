@@ -14,7 +14,6 @@ def integrate(start: Float, rate_radps: Float, step_s: float, q: Float) -> None:
         `q_room_sensor` of the first sample.
     rate_radps : ndarray, shape (N, 3)
         Sensor axes.
-    step_s : float
     q : ndarray, shape (N, 4)
         Result.
     """

@@ -62,8 +62,6 @@ def joint_angle_sigma(
 
     Parameters
     ----------
-    joint : LegJoint
-    side : Side
     q_room_parent, q_room_child : ndarray, shape (..., 4)
     sigma_parent_room_rad, sigma_child_room_rad : ndarray, shape (..., 3)
         About the room axes, independent of each other.
@@ -100,7 +98,6 @@ def leg_from_angles(columns: Mapping[str, Float], side: Side, q_thigh: Float) ->
     columns : mapping of column name to ndarray, shape (K,)
         Joint angles in radians, of which those of other limbs are passed over; of a joint that has one, the others are
         zero.
-    side : Side
     q_thigh : ndarray, shape (4,)
         Where the thigh is, in the room, while the hip's angles are not known.
 

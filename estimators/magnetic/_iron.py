@@ -18,7 +18,6 @@ class IronSphere:
 
     Attributes
     ----------
-    radius_m : float
     relative_permeability : float
         1000 for structural iron; 0 for the limit of a conductor that still shuts the field out.
     """

@@ -70,15 +70,10 @@ def predict(
 
     Parameters
     ----------
-    source : Source
     coil : array_like of int, shape (...)
     current_a : array_like, shape (...)
     position_m : array_like, shape (..., 3)
     q_source_sensor : array_like, shape (..., 4)
-
-    Returns
-    -------
-    Prediction
     """
     field, gradient = source.field_and_gradient(coil, current_a, position_m)
     back = _turned(rotation.to_matrix(q_source_sensor))
@@ -139,10 +134,6 @@ def update(
         Covariance of the pulse value.
     passes : int
         1 is the published update; more relinearise at the corrected state.
-
-    Returns
-    -------
-    Updated
     """
     if passes < 1:
         raise SetupError("passes must be 1 or more")

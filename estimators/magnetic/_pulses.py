@@ -29,8 +29,6 @@ class Pulse:
 
     Attributes
     ----------
-    coil : int
-    current_a : float
     start, stop : int
         Samples of the coil being on, half open.
     middle : int

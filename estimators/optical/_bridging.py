@@ -22,7 +22,6 @@ def bridging_noise(
         Samples that were drawn straight between measured ones.
     sigma : float
         Noise of a measured sample.
-    time_step_s : float
 
     Returns
     -------

@@ -48,8 +48,6 @@ def check_mapping(both: Accelerations, time_step_s: float, lever_arm_m: Float | 
 
     Parameters
     ----------
-    both : Accelerations
-    time_step_s : float
     lever_arm_m : ndarray, shape (3,), optional
         When it was measured.
 

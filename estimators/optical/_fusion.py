@@ -185,7 +185,6 @@ def smooth_optical(
 
     Parameters
     ----------
-    chunk : OpticalChunk
     parameters : mapping, optional
         Of `OpticalParameters`, what differs from the defaults.
     start : OpticalStart, optional

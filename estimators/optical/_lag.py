@@ -22,7 +22,6 @@ class FixedLagSmoother:
 
     Parameters
     ----------
-    time_step_s : float
     lag_s : float
         Longer than the longest gap by half a second, where gaps are to end with the cameras (page 2.4).
     parameters : mapping, optional

@@ -33,8 +33,6 @@ class OpticalFusion:
     ----------
     first_tick : int
         Of `result`; ticks of the inertial recording.
-    time_step_s : float
-    alignment : Alignment
     result : OpticalResult
         Smoothed; NaN where there was nothing to fuse.
     filtered : OpticalResult
@@ -47,7 +45,6 @@ class OpticalFusion:
         The markers with gaps filled by quintics, for comparison.
     gaps : list of Gap
         Their ticks count from `first_tick`.
-    checks : list of GapCheck
     lever_arm_m, lever_arm_sigma_m : ndarray, shape (3,)
         From the accelerometer to the marker, sensor axes.
     heading_sigma_rad : float
@@ -56,7 +53,6 @@ class OpticalFusion:
         By how much all noise was raised so that the innovations fit their covariance; 1 when they did at once.
     mean_nis : float
         Of accepted markers; 3 is expected.
-    frame_count, used_count, rejected_count : int
     reasons : tuple of str
         What was left out, in words.
     bridged_count : int
@@ -153,7 +149,6 @@ def fuse_markers(
         On the cameras' own clock.
     marker_m : ndarray, shape (N, 3)
         Laboratory with z up; NaN in gaps.
-    time_step_s : float
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
         Even ticks from time zero; NaN where samples are missing.
     parameters : mapping, optional

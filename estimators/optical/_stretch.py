@@ -36,7 +36,6 @@ class GapCheck:
 
     Attributes
     ----------
-    length_s : float
     count : int
         Gaps of this length.
     inertial_m, spline_m : float

@@ -62,8 +62,6 @@ def create(
     ----------
     name : str
         A key of `available(with_offline=True)`.
-    sensor_count : int
-    time_step_s : float
     parameters : mapping, optional
         What differs from the defaults.
 

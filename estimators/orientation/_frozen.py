@@ -95,8 +95,6 @@ def frozen(
         Carried on.
     rate, force, field : ndarray, shape (3,)
         Finite but for the field.
-    has_field : bool
-    step_s : float
 
     Notes
     -----

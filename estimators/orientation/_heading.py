@@ -32,7 +32,6 @@ def estimate_lag(reference: Float, delayed: Float, time_step_s: float, longest_s
     ----------
     reference, delayed : ndarray, shape (N,)
         The same quantity by two systems on one time base, best the angular speed, which needs no alignment.
-    time_step_s : float
     longest_s : float
         Lags are looked for up to this, both ways.
 

@@ -27,10 +27,8 @@ def parameter(
 
     Parameters
     ----------
-    default : bool or float
     unit : str
         Empty for a plain number or a switch.
-    meaning : str
     above, below : float, optional
         Bounds that the value may not reach. Without `above` no number may be negative.
     """

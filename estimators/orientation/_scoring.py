@@ -16,7 +16,6 @@ class OrientationErrors:
 
     Attributes
     ----------
-    total_rad, heading_rad, inclination_rad : float
     sample_count : int
         Scored samples that had a truth.
     """
@@ -38,10 +37,6 @@ def orientation_errors(
         Sensor to earth, z up. The truth may be NaN where there is none.
     mask : ndarray of bool, shape (K,), optional
         Samples to score.
-
-    Returns
-    -------
-    OrientationErrors
 
     Notes
     -----

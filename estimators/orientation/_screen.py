@@ -143,8 +143,6 @@ class SampleScreen:
 
     Parameters
     ----------
-    sensor_count : int
-    time_step_s : float
     is_whole : bool
         The one chunk is the whole session: a freeze is marked from its first sample on, not from when it was certain.
     """

@@ -21,8 +21,6 @@ class ChunkGuard:
 
     Parameters
     ----------
-    sensor_count : int
-    time_step_s : float
     is_whole : bool
         One chunk will be the whole session (`SampleScreen`).
     """

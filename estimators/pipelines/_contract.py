@@ -143,8 +143,6 @@ class Frames(Samples):
 
     Attributes
     ----------
-    first_tick : int
-    time_step_s : float
     q_room_segment : ndarray, shape (K, G, 4)
     point_room_m : ndarray, shape (K, P, 3)
     angle_rad : ndarray, shape (K, A)

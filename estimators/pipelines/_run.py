@@ -53,14 +53,6 @@ def kind(name: str) -> type[Pipeline]:
 def create(setup: SessionSetup) -> Pipeline:
     """Build the pipeline that a setup asks for, having seen no samples.
 
-    Parameters
-    ----------
-    setup : SessionSetup
-
-    Returns
-    -------
-    Pipeline
-
     Raises
     ------
     SetupError
@@ -76,10 +68,6 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
     ----------
     parts : sequence of Frames
         In order, of one layout, each starting where the one before ended.
-
-    Returns
-    -------
-    Frames
 
     Raises
     ------
@@ -146,7 +134,6 @@ def run(
     ----------
     recording : Recording
         Must hold every placement of the setup; further sensors are left out.
-    setup : SessionSetup
     pose_s : (float, float), optional
         Half-open stretch of the recording in which the patient held the calibration pose. Without it the
         first 3 s in which all sensors are still are taken for the pose, as people begin with it.

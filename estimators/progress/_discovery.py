@@ -17,7 +17,6 @@ def discoveries(probability: Float, main: int | None = 0, level: float = _LEVEL)
         That each change is above zero; NaN where nothing can be said.
     main : int, optional
         The measure judged alone at `level`, two-sided; None for none.
-    level : float
 
     Returns
     -------

@@ -37,7 +37,6 @@ class Models:
         In S^2.
     log_weight : ndarray, shape (K,)
         Before the data, with what the likelihood has beside the sum of squares.
-    freedom : int
     """
 
     residual: Float

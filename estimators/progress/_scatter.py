@@ -137,7 +137,6 @@ def scatter_of(variance: float, freedom: float, prior: Scatter, error: float = 0
     ----------
     variance, freedom : float
         From `second_differences`.
-    prior : Scatter
     error : float
         What the repetitions of a session alone say, one standard deviation of their mean: never less than this.
 

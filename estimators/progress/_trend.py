@@ -81,8 +81,6 @@ def trends(
         What the repetitions say of each value, one standard deviation; NaN where they say nothing.
     segments : ndarray, shape (N,), optional
         Numbers that rise where the series breaks (another estimator, template, placement): the level may step there.
-    priors : Scatter or sequence of M of them, optional
-    window_days : float
 
     Notes
     -----

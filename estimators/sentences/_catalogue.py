@@ -51,12 +51,7 @@ class Catalogue:
         return Sentence(text[:1].upper() + text[1:], code, values)
 
     def together(self, texts: Sequence[str]) -> str:
-        """Return several sentences, one after another, as one; empty for none.
-
-        Parameters
-        ----------
-        texts : sequence of str
-        """
+        """Return several sentences, one after another, as one; empty for none."""
         lines = [text for text in texts if text]
         return self.say("text.lines", lines=lines) if len(lines) > 1 else next(iter(lines), "")
 
@@ -90,12 +85,7 @@ class Catalogue:
 
 
 def places(entry: Entry) -> Iterator[tuple[str, str]]:
-    """Yield name and format of every place of an entry.
-
-    Parameters
-    ----------
-    entry : Entry
-    """
+    """Yield name and format of every place of an entry."""
     for words in [entry] if isinstance(entry, str) else entry.values():
         for found in _PLACE.finditer(words):
             yield found[1], found[2] or ""

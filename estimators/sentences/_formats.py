@@ -61,7 +61,6 @@ def written(value: Any, form: str) -> str:
 
     Parameters
     ----------
-    value : object
     form : str
         Empty: as it is. A unit, with `.1` for one digit after the point and `~3` for three in all: `deg`, `s.1`,
         `number~3`. `and`, `or`: a list; sentences in it begin without a capital. `lines`: sentences one after another.
@@ -91,24 +90,14 @@ def _within(value: Any) -> str:
 
 
 def is_of_codes(form: str) -> bool:
-    """Return whether a format is the first part of the codes of names.
-
-    Parameters
-    ----------
-    form : str
-    """
+    """Return whether a format is the first part of the codes of names."""
     return (
         bool(form) and form not in (*LISTS, "lines") and form.partition(".")[0].partition("~")[0] not in UNITS
     )
 
 
 def parts(form: str) -> tuple[str, int | None, int | None]:
-    """Return name, digits after the point and significant digits of a number's format.
-
-    Parameters
-    ----------
-    form : str
-    """
+    """Return name, digits after the point and significant digits of a number's format."""
     name, _, digits = form.partition(".")
     name, _, significant = name.partition("~")
     return name, int(digits) if digits else None, int(significant) if significant else None
@@ -119,7 +108,6 @@ def joined(words: Sequence[str], last: str) -> str:
 
     Parameters
     ----------
-    words : sequence of str
     last : str
         Between the last two.
     """

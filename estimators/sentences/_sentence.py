@@ -10,7 +10,6 @@ class Sentence(str):
 
     Parameters
     ----------
-    text : str
     code : str
         Stable name in the catalogue.
     parameters : mapping of str to object
@@ -44,12 +43,7 @@ class Sentence(str):
 
 
 def for_json(value: Any) -> Any:
-    """Return a text for JSON: a sentence with what it was made of, everything else as it is.
-
-    Parameters
-    ----------
-    value : str or list of str
-    """
+    """Return a text for JSON: a sentence with what it was made of, everything else as it is."""
     if isinstance(value, Sentence):
         return value.to_dict()
     return [for_json(one) for one in value] if isinstance(value, list | tuple) else value

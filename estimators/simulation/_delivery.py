@@ -143,15 +143,8 @@ def plan_delivery(packet_count: int, packet_s: float, faults: LinkFaults, seed: 
 
     Parameters
     ----------
-    packet_count : int
     packet_s : float
         Time covered by one packet; packet n is complete at `(n + 1) * packet_s`.
-    faults : LinkFaults
-    seed : int
-
-    Returns
-    -------
-    DeliveryPlan
     """
     complete_s = np.arange(1, packet_count + 1, dtype=np.float64) * packet_s
     lost = burst_loss(packet_count, faults.loss_fraction, faults.mean_burst_packets, seed)

@@ -87,8 +87,6 @@ def turn_in_strap(
 
     Parameters
     ----------
-    recording : Recording
-    placement : str
     at_s : float
         Middle of the turn.
     turn_rad : (float, float, float)

@@ -46,12 +46,10 @@ def simulate_handling(
         Ten seconds on a table; six faces up and a turn about each axis; turned as if painting a ball.
     placements : sequence of Placement
         Names of the sensors.
-    rate_hz : float
     errors : SensorErrors or str
         Noise and bias.
     hard_iron_t, accelerometer_bias_mps2, gyroscope_scale : float
         Of every device on top: along its first axis, along its second, and of all axes.
-    seed : int
     """
     if kind == "lie_still":
         q = np.tile(rotation.identity(), (round(10.0 * rate_hz) + 1, 1))

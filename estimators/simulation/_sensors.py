@@ -214,11 +214,6 @@ def true_readings(
     offset_m : ndarray, shape (3,)
         Sensor in segment axes: the lever arm.
     field_room_t : ndarray, shape (3,)
-    magnets : tuple of Magnet
-
-    Returns
-    -------
-    TrueReadings
     """
     q = rotation.multiply(motion.turn.q, q_segment_sensor)
     back = rotation.conjugate(q)

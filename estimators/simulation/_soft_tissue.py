@@ -32,14 +32,12 @@ def soft_tissue_turn(
 
     Parameters
     ----------
-    placement : Placement
     coordinates : mapping of str to Scalar
         Of the body, by name (`acting_flexion`, `other_flexion`, `lean_forward`, ...).
     acting_side : Side
         Which arm is the acting one.
     largest_rad : float
         No turn is larger; it is reached when both coordinates are at their worst.
-    seed : int
 
     Returns
     -------

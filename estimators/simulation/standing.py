@@ -29,7 +29,6 @@ class Stance:
 
     Attributes
     ----------
-    seconds : float
     forward_rad, left_rad : float
         Standard deviation of the lean.
     corner_hz : float
@@ -61,7 +60,6 @@ def expected_measures(stance: Stance, sensor_height_m: float, height_m: float) -
 
     Parameters
     ----------
-    stance : Stance
     sensor_height_m, height_m : float
         Of the sensor and of the point of which displacement is given, above the ankles.
 
@@ -118,7 +116,6 @@ class StandingPerson:
 
     Attributes
     ----------
-    recording : Recording
     trials_s : tuple of (float, float)
         Half-open time of each trial.
     lean_rad : ndarray, shape (N, 2)
@@ -171,12 +168,8 @@ def simulate_standing(
     ----------
     trials : sequence of Stance or Lean
         One after the other, four seconds between them; before them ten seconds without sway.
-    seed : int
     placements : tuple of Placement
         `pelvis`, `sternum` or both.
-    errors : SensorErrors or str
-    rate_hz : float
-    body : BodyDimensions, optional
     facing_rad : float
         Heading of the person, from east.
 

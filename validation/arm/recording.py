@@ -51,7 +51,6 @@ def beyond_deg(frames: Frames, reach: Reach, *, raised_only: bool = False) -> fl
     ----------
     frames : Frames
         Of the arm pipeline.
-    reach : Reach
     raised_only : bool
         Leave out ticks with the arm raised less than `RAISED_DEG`, where the plane means little.
     """

@@ -88,10 +88,6 @@ def measure_module(
 
     Parameters
     ----------
-    motion : Motion
-    duration_s : float
-    seed : int
-    rate_hz : float
     with_bias : bool
         Gyroscope and accelerometer bias of T2.1 and T2.2.
     body_field : ndarray, shape (3,), optional

@@ -56,7 +56,6 @@ def iron_field(sensor_m: Float, iron_m: Float, radius_m: float, strength: float 
     ----------
     sensor_m, iron_m : ndarray, shape (..., 3)
         Centres, earth frame.
-    radius_m : float
     strength : float
         2.5 stands for a cylinder, longer than wide.
 
@@ -108,7 +107,6 @@ def measure(
     q : ndarray, shape (N, 4)
     acceleration_mps2, disturbance : ndarray, shape (N, 3)
         Earth frame; the second in units of the field.
-    generator : Generator
     offset_radps : float
         Largest offset left after zeroing, per axis.
     warming_radps2 : float

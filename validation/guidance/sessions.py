@@ -71,7 +71,6 @@ class GuidedSession:
     ----------
     kind : str
         Key of `STYLES`.
-    ready : GuidanceTemplate
     values, sigma : ndarray, shape (N, C)
         From the rest before the first repetition on.
     phase : ndarray, shape (N,)
@@ -79,7 +78,6 @@ class GuidedSession:
     true_values : ndarray, shape (N, C)
     bounds : ndarray of int, shape (R, 2)
         Ticks at which each repetition begins and ends.
-    plan : tuple of PlannedRepetition
     faults : tuple of str
         Of each repetition; empty where it is sound.
     """

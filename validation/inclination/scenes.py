@@ -134,7 +134,6 @@ def record(
     Parameters
     ----------
     pose : callable
-    task_s : float
     generator : Generator
         Sensor noise.
     length_s : float, optional

@@ -30,10 +30,8 @@ def cameras(scene: Scene, seed: int, rate_hz: float = 120.0, ghosts: float = 0.0
 
     Parameters
     ----------
-    scene : Scene
     seed : int
         Of heading, offset, lever arm and noise.
-    rate_hz : float
     ghosts : float
         Part of the frames that show something else, 5 to 50 cm away.
     """

@@ -17,10 +17,6 @@ _MOST_PERCENT: Final = 0.1
 def accusations(recording: SoundRecording) -> tuple[list[Finding], list[Finding]]:
     """Return what is falsely said of a sound recording, as a file and at any time of a live session.
 
-    Parameters
-    ----------
-    recording : SoundRecording
-
     Returns
     -------
     of_file, live : list of Finding

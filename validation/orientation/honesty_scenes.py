@@ -51,7 +51,6 @@ def scene(title: str, seeds: Sequence[int]) -> tuple[ImuChunk, Float]:
     ----------
     title : str
         Of `SCENES`.
-    seeds : sequence of int
 
     Returns
     -------

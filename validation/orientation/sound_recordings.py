@@ -46,7 +46,6 @@ class SoundRecording:
 
     Attributes
     ----------
-    chunk : ImuChunk
     names : tuple of str
         Of its sensors.
     hemisphere : {"north", "south"}

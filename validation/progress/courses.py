@@ -91,13 +91,10 @@ def course(row: Row, count: int, patients: int, scale: float, rng: np.random.Gen
 
     Parameters
     ----------
-    row : str
     count : int
         Sessions.
-    patients : int
     scale : float
         Of the measure; each patient has another S about it, and levels are in the own S.
-    rng : numpy.random.Generator
     """
     own = scale * np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, patients))[:, None]
     number = np.arange(count)

@@ -21,13 +21,10 @@ class ScoredShoe:
 
     Attributes
     ----------
-    shoe : ShoeKinetics
-    truth : FootTruth
     stance : ndarray of bool, shape (N,)
         Loaded with more than a tenth of body weight, first and last stance left out.
     stride : ndarray of bool, shape (N,)
         Between those stances' first rest and last rest.
-    weight_n : float
     turn : ndarray, shape (N, 4)
         Onto the truth.
     heel_m, cop_m : ndarray, shape (N, 3)
@@ -64,10 +61,6 @@ def score_shoe(
 
     Parameters
     ----------
-    recording : Recording
-    truth : GaitTruth
-    side : Side
-    parameters : ShoeParameters
     reaction_of : callable, optional
         Another way to the ground reaction from the shoe's analysis.
     """

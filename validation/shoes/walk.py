@@ -17,13 +17,10 @@ class AnalysedWalk:
 
     Attributes
     ----------
-    shoes : dict of Side to ShoeKinetics
-    feet : BothFeet
     mass_kg : float
         As the shoes feel it.
     height_m : float
         Mean height of the true centre of mass, for the sacrum of the published method.
-    truth : GaitTruth
     """
 
     shoes: dict[Side, ShoeKinetics]

@@ -24,7 +24,6 @@ def known_browser(session: Session, email: str, token: str | None) -> str | None
 
     Parameters
     ----------
-    session : Session
     email : str
         Normalised.
     token : str or None
@@ -50,7 +49,6 @@ def remember_browser(session: Session, account_id: str, token: str | None) -> st
     ----------
     session : Session
         Writing.
-    account_id : str
     token : str or None
         The cookie that the browser has already. It may have been planted there, or read by somebody: a new one takes
         its place for all accounts that signed in here, and the old one is worth nothing.
@@ -77,7 +75,6 @@ def forget_browsers(session: Session, account_id: str, but: str | None = None) -
     ----------
     session : Session
         Writing.
-    account_id : str
     but : str, optional
         Value of the cookie of the one that stays.
     """

@@ -24,8 +24,6 @@ def shown_cookie(settings: Settings, connection: HTTPConnection, name: str) -> s
 
     Parameters
     ----------
-    settings : Settings
-    connection : Request or WebSocket
     name : str
         Without a prefix.
     """
@@ -37,12 +35,8 @@ def set_cookie(response: Response, settings: Settings, name: str, value: str, li
 
     Parameters
     ----------
-    response : Response
-    settings : Settings
     name : str
         Without a prefix.
-    value : str
-    life_s : int
     """
     response.set_cookie(
         cookie_name(settings, name),

@@ -22,8 +22,6 @@ def replace_password(
     ----------
     session : Session
         Writing.
-    account : Account
-    password_hash : str
     must_change : bool
         Somebody else knows the password: nothing else can be done before the owner has chosen another.
     sign_in : str, optional

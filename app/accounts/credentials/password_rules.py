@@ -42,7 +42,6 @@ def check_password(password: str, *own: str, field: str = "password") -> None:
 
     Parameters
     ----------
-    password : str
     *own : str
         What belongs to the person: e-mail address, name.
     field : str

@@ -32,12 +32,7 @@ class Passwords:
         self._nobody = self._hasher.hash("nobody has this password")
 
     def hash(self, password: str) -> str:
-        """Return the argon2id hash; blocks for tens of milliseconds.
-
-        Parameters
-        ----------
-        password : str
-        """
+        """Return the argon2id hash; blocks for tens of milliseconds."""
         return self._hasher.hash(password)
 
     def verify(self, password_hash: str | None, password: str) -> bool:
@@ -47,7 +42,6 @@ class Passwords:
         ----------
         password_hash : str or None
             None for an account that does not exist or cannot sign in with a password.
-        password : str
         """
         try:
             self._hasher.verify(password_hash or self._nobody, password)
@@ -56,21 +50,11 @@ class Passwords:
         return password_hash is not None
 
     def needs_rehash(self, password_hash: str) -> bool:
-        """Return whether the cost has been raised since this hash was made.
-
-        Parameters
-        ----------
-        password_hash : str
-        """
+        """Return whether the cost has been raised since this hash was made."""
         return self._hasher.check_needs_rehash(password_hash)
 
     async def verify_in_turn(self, password_hash: str | None, password: str) -> bool:
         """Verify in one of two threads.
-
-        Parameters
-        ----------
-        password_hash : str or None
-        password : str
 
         Raises
         ------
@@ -83,11 +67,6 @@ class Passwords:
         return await to_thread.run_sync(self.verify, password_hash, password, limiter=limiter)
 
     async def hash_in_turn(self, password: str) -> str:
-        """Hash in one of two threads.
-
-        Parameters
-        ----------
-        password : str
-        """
+        """Hash in one of two threads."""
         limiter = self._limiter = self._limiter or CapacityLimiter(HASHING_THREADS)
         return await to_thread.run_sync(self.hash, password, limiter=limiter)

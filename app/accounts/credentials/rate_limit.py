@@ -72,7 +72,6 @@ class LeakyCounter:
 
     Parameters
     ----------
-    limit : Limit
     maximum_keys : int
         Above it the keys that were quiet longest are forgotten.
     clock : callable
@@ -94,10 +93,6 @@ class LeakyCounter:
     def take(self, key: str) -> float:
         """Count an attempt.
 
-        Parameters
-        ----------
-        key : str
-
         Returns
         -------
         float
@@ -115,7 +110,6 @@ class LeakyCounter:
 
         Parameters
         ----------
-        key : str
         session : Session, optional
             Of no use here.
         """
@@ -225,12 +219,7 @@ class Attempt:
 
 
 def network_of(address: str) -> str:
-    """Return the key of an address: IPv6 by /64, since one household has 2^64 addresses.
-
-    Parameters
-    ----------
-    address : str
-    """
+    """Return the key of an address: IPv6 by /64, since one household has 2^64 addresses."""
     try:
         parsed = ipaddress.ip_address(address)
     except ValueError:

@@ -30,7 +30,6 @@ def second_factor(session: Session, subject: Subject) -> SecondFactorOut:
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         An account.
     """
@@ -146,7 +145,6 @@ def remove(session: Session, acting: Subject, account: Account) -> None:
         Writing.
     acting : Subject
         Who does it: the account itself or an administrator.
-    account : Account
     """
     if account.totp_since is not None:
         audit.record(session, acting, "account.second_factor_off", account.patient_id, account.id)

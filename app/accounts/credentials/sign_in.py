@@ -51,12 +51,7 @@ def seen_again_after(settings: Settings) -> timedelta:
 
 
 def normalise_email(email: str) -> str:
-    """Return the form in which an e-mail address is stored and compared.
-
-    Parameters
-    ----------
-    email : str
-    """
+    """Return the form in which an e-mail address is stored and compared."""
     return email.strip().lower()
 
 
@@ -65,7 +60,6 @@ def password_hash_of(session: Session, email: str) -> tuple[str | None, str | No
 
     Parameters
     ----------
-    session : Session
     email : str
         Normalised.
     """
@@ -86,7 +80,6 @@ def create_sign_in(
         Writing.
     settings : Settings
         For the life time.
-    account_id : str
     user_agent : str
         As the browser calls itself; shortened.
 
@@ -94,7 +87,6 @@ def create_sign_in(
     -------
     str
         The cookie's value; only its hash is stored.
-    SignIn
     """
     now = utc_now()
     session.execute(delete(SignIn).where(SignIn.expires_at < now))
@@ -117,8 +109,6 @@ def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignI
 
     Parameters
     ----------
-    session : Session
-    settings : Settings
     token : str
         The cookie's value.
 
@@ -156,7 +146,6 @@ def sign_ins_of(session: Session, ids: Collection[str]) -> dict[str, Row[*tuple[
 
     Parameters
     ----------
-    session : Session
     ids : collection of str
         Their identifiers.
     """
@@ -198,12 +187,7 @@ def in_use(settings: Settings | None, row: Row[*tuple[Any, ...]] | None) -> Foun
 
 
 def first_to_do(found: FoundSignIn) -> NotAllowed | None:
-    """Return the refusal of whatever else is asked for before what an account must do first.
-
-    Parameters
-    ----------
-    found : FoundSignIn
-    """
+    """Return the refusal of whatever else is asked for before what an account must do first."""
     if found.must == "password":
         return PasswordChangeRequired(say("sign_in.change_password_first"))
     if found.must == "second_factor":
@@ -216,7 +200,6 @@ def must_first(settings: Settings, account: Account | Row[*tuple[Any, ...]]) -> 
 
     Parameters
     ----------
-    settings : Settings
     account : Account or Row
         The row has `role`, `must_change_password` and `totp_since`.
     """
@@ -235,7 +218,6 @@ def touch(session: Session, sign_in_id: str) -> None:
     ----------
     session : Session
         Writing.
-    sign_in_id : str
     """
     session.execute(update(SignIn).where(SignIn.id == sign_in_id).values(last_seen_at=utc_now()))
 
@@ -247,7 +229,6 @@ def end_sign_in(session: Session, token: str) -> None:
     ----------
     session : Session
         Writing.
-    token : str
     """
     ended = session.scalars(
         delete(SignIn).where(SignIn.token_hash == hash_token(token)).returning(SignIn.account_id)
@@ -263,7 +244,6 @@ def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) 
     ----------
     session : Session
         Writing.
-    account_id : str
     but : str, optional
         Identifier of the one browser session that stays.
 
@@ -286,7 +266,6 @@ def choose_locale(session: Session, account_id: str, locale: str) -> None:
     ----------
     session : Session
         Writing.
-    account_id : str
     locale : str
         A language of the client; empty for that of the browser.
     """
@@ -294,15 +273,7 @@ def choose_locale(session: Session, account_id: str, locale: str) -> None:
 
 
 def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -> Me:
-    """Return what a browser needs to know about its own account.
-
-    Parameters
-    ----------
-    session : Session
-    settings : Settings
-    account_id : str
-    csrf_token : str
-    """
+    """Return what a browser needs to know about its own account."""
     account, clinic_name = session.execute(
         select(Account, Clinic.name)
         .join(Clinic, Clinic.id == Account.clinic_id)

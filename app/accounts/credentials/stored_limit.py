@@ -31,8 +31,6 @@ class StoredCounter:
 
     Parameters
     ----------
-    limit : Limit
-    engine : Engine
     settings : Settings
         For the key of the hashes.
     clock : callable
@@ -73,7 +71,6 @@ class StoredCounter:
 
         Parameters
         ----------
-        key : str
         session : Session, optional
             Writing: given back in its transaction. By default in one of its own.
         """

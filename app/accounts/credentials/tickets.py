@@ -115,8 +115,6 @@ def is_open(session: Session, token: str, purpose: Purpose) -> bool:
 
     Parameters
     ----------
-    session : Session
-    token : str
     purpose : {"ingest", "live", "viewer"}
     """
     found = select(Ticket.id).where(

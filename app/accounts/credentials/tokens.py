@@ -14,10 +14,5 @@ def new_token() -> str:
 
 
 def hash_token(token: str) -> str:
-    """Return what is stored of a token: SHA-256 in hexadecimal.
-
-    Parameters
-    ----------
-    token : str
-    """
+    """Return what is stored of a token: SHA-256 in hexadecimal."""
     return hashlib.sha256(token.encode()).hexdigest()

@@ -59,7 +59,6 @@ def uri(secret: str, email: str) -> str:
     ----------
     secret : str
         Base32.
-    email : str
     """
     label = quote(f"Telemotion:{email}")
     return f"otpauth://totp/{label}?secret={secret}&issuer=Telemotion&digits={DIGITS}&period={STEP_S}"

@@ -27,7 +27,6 @@ def other_side_values(
 
     Parameters
     ----------
-    session : Session
     patient : Patient
         Access was checked.
     exercise : Exercise or None
@@ -59,7 +58,6 @@ def walked_other_side(patient: Patient, values: Sequence[SessionValue]) -> dict[
 
     Parameters
     ----------
-    patient : Patient
     values : sequence of SessionValue
         Of walks, oldest first.
     """
@@ -87,7 +85,6 @@ def beside_other_side(
 
     Parameters
     ----------
-    session : Session
     patient : Patient
         Access was checked.
     exercise : Exercise or None
@@ -128,7 +125,6 @@ def bands_of(
 
     Parameters
     ----------
-    patient : Patient
     newest : SessionValue
         Of the measure.
     others : mapping of str to SessionValue

@@ -44,7 +44,6 @@ class Days:
         When the day's sessions were, in the mean.
     days, values, errors, segments : ndarray, shape (N,)
         As `estimators.progress.trends` takes them; an error is one standard deviation of the value by the repetitions.
-    breaks : list of Break
     """
 
     at: list[datetime]

@@ -44,7 +44,6 @@ def judged(
         Of one patient and exercise by measure, oldest first.
     main : str or None
         The measure that is judged by itself; among the others false discoveries are held to one in twenty.
-    scatters : Scatters
     zone : tzinfo
         Whose days.
     """
@@ -145,7 +144,6 @@ class Decline:
 
     Attributes
     ----------
-    trend : ProgressTrend
     text : str
         What a caseload says of it.
     """
@@ -161,8 +159,6 @@ def decline_of(values: Sequence[SessionValue], scatters: Scatters, zone: tzinfo)
     ----------
     values : sequence of SessionValue
         Of one measure, oldest first.
-    scatters : Scatters
-    zone : tzinfo
 
     Notes
     -----

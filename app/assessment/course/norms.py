@@ -24,7 +24,6 @@ class Norm:
     meaning : str
         What the bounds are: `confidence`, 95 percent of the mean of that age; `means`, the least and the largest mean
         of an age and sex.
-    source : str
     """
 
     measure: str
@@ -52,8 +51,6 @@ def norm_of(measure: str, birth_date: date | None, on: date) -> Norm | None:
 
     Parameters
     ----------
-    measure : str
-    birth_date : date or None
     on : date
         The day of the newest session.
     """

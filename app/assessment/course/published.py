@@ -19,10 +19,8 @@ class Published:
         Of the exercise; empty for any.
     scatter : float
         Standard error of measurement of test and retest, in the unit of the measure.
-    scatter_source : str
     important : float or None
         Minimal important change.
-    important_source : str
     people : int
         In whom the scatter was found.
     """

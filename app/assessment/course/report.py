@@ -28,11 +28,8 @@ def course(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`.
-    patient_id : str
-    exercise_id : str
     default_zone : str
         Setting `time_zone`.
 
@@ -102,8 +99,6 @@ def write_note(session: Session, subject: Subject, patient_id: str, wanted: Cour
         Writing.
     subject : Subject
         With the level `treat`.
-    patient_id : str
-    wanted : CourseNoteIn
 
     Raises
     ------
@@ -125,13 +120,7 @@ def write_note(session: Session, subject: Subject, patient_id: str, wanted: Cour
 
 
 def notes_of(session: Session, patient_id: str) -> list[CourseNoteOut]:
-    """Return every note about a patient, oldest first; access was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id : str
-    """
+    """Return every note about a patient, oldest first; access was checked."""
     found = session.scalars(
         select(CourseNote)
         .where(CourseNote.patient_id == patient_id)

@@ -64,7 +64,6 @@ def scatters_of(session: Session, clinic_id: str, exercise: Exercise | None, zon
 
     Parameters
     ----------
-    session : Session
     clinic_id : str
         Of the patient who is judged; access was checked.
     exercise : Exercise or None
@@ -119,7 +118,6 @@ def learnt_of(values: Sequence[SessionValue], zone: tzinfo) -> dict[str, Scatter
     ----------
     values : sequence of SessionValue
         Oldest first within each patient.
-    zone : tzinfo
     """
     series: dict[tuple[str, str | None, str], list[SessionValue]] = defaultdict(list)
     for value in values:

@@ -60,9 +60,6 @@ class Guidance:
         The same for `Guide`, in the patient's metres.
     rules : tuple of CueRule
         `sentence` is a code of `SENTENCES` or the therapist's own words; `rules.said` tells them apart.
-    stops : tuple of StopRule
-    pace : CuePace
-    valid_share : float
     """
 
     template: Template
@@ -83,7 +80,6 @@ def drawn_template(version: TemplateVersion, side: str | None = None, scale: flo
 
     Parameters
     ----------
-    version : TemplateVersion
     side : {"left", "right"}, optional
         Mirrored for it where the template is of the other.
     scale : float
@@ -111,7 +107,6 @@ def guidance_of(
 
     Parameters
     ----------
-    version : TemplateVersion
     side : {"left", "right"}
         The patient's acting side.
     reach_m : float

@@ -13,7 +13,6 @@ def counted_live(session: Session, found: MotionSession) -> list[Repetition] | N
 
     Parameters
     ----------
-    session : Session
     found : MotionSession
         Access was checked.
 

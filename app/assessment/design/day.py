@@ -17,9 +17,6 @@ def valid_of_the_day(
 
     Parameters
     ----------
-    session : Session
-    patient_id : str
-    prescription_ids : collection of str
     until : datetime
         The day is that of this moment; sessions that began at it or later do not count.
     zone : tzinfo

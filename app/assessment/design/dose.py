@@ -47,7 +47,6 @@ class Dose:
 
         Parameters
         ----------
-        done_today : int
         times : int
             How often a day the dose is prescribed: each time is a goal of its own, one after the other.
         """

@@ -55,8 +55,6 @@ def check_stops(stops: Sequence[StopDesign], reached: Reached, at: str) -> None:
 
     Parameters
     ----------
-    stops : sequence of StopDesign
-    reached : Reached
     at : str
         Field of the request, for instance `design.stops`.
     """
@@ -139,11 +137,6 @@ def resting_pose(session: Session, patient_id: str, exercise_id: str) -> dict[st
     """Return how a patient rests before a repetition, by channel: of the newest compared session of an exercise.
 
     For the service's own work: access to the patient was checked.
-
-    Parameters
-    ----------
-    session : Session
-    patient_id, exercise_id : str
 
     Returns
     -------

@@ -28,7 +28,6 @@ class PrescribedGuidance:
     ----------
     guidance : Guidance
         Its stop rules are those that look at the movement and the time; numbers of repetitions are in `dose`.
-    dose : Dose
     """
 
     guidance: Guidance
@@ -46,8 +45,6 @@ def prescribed_guidance(session: Session, session_id: str, default_zone: str) ->
 
     Parameters
     ----------
-    session : Session
-    session_id : str
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
 

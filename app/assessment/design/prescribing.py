@@ -27,11 +27,8 @@ def prescribe(
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `treat`.
-    patient_id : str
-    body : PrescriptionIn
     default_zone : str
         Setting `time_zone`.
 

@@ -55,7 +55,6 @@ class Built:
     ----------
     template : Template
         With the phases and channels to watch that it begins with.
-    repetitions : list of Repetition
     curves : list of ndarray, shape (101, C)
     design : TemplateDesign
         What it begins with.

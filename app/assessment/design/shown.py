@@ -88,10 +88,8 @@ def reached_of(session: Session, subject: Subject, version: TemplateVersion, sto
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Without the right to the recording only the mean is known.
-    version : TemplateVersion
     stored : Template
         Of the version, on the side on which it was recorded, with the band in question.
     """

@@ -46,8 +46,6 @@ def weighted_sum(
     ----------
     weights : sequence of WeightDesign
         Named for the side of `template`.
-    template : Template
-    repetitions : sequence of RepetitionComparison
     """
     if not weights:
         return None

@@ -84,10 +84,8 @@ def write_archive(
     ----------
     archive : zipfile.ZipFile
         Open for writing; need not be able to go back.
-    engine : Engine
     subject : Subject
         Whose access was decided and noted.
-    patient_id : str
     default_zone : str
         Setting `time_zone`: where the week of what was practised begins, if the clinic has not said so.
     """

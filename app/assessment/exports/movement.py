@@ -44,8 +44,6 @@ def write_movement(archive: zipfile.ZipFile, name: str, engine: Engine, result_i
         Open for writing; need not be able to go back.
     name : str
         With its folder, without ending.
-    engine : Engine
-    result_id : str
     """
     # The columns are compressed in the file itself.
     with archive.open(zipfile.ZipInfo(f"{name}.parquet"), "w", force_zip64=True) as target:

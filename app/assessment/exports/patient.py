@@ -33,14 +33,12 @@ def export(
 
     Parameters
     ----------
-    engine : Engine
     settings : Settings
         How much memory the child may take.
     limits : Limits
         How many exports are made at once.
     subject : Subject
         With the level `read`: the patient, whoever has a grant, the clinic's administrators.
-    patient_id : str
 
     Returns
     -------

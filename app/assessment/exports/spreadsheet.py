@@ -97,7 +97,6 @@ def files_of(name: str, sheet: Sheet, *, decimal_comma: bool) -> dict[str, bytes
     ----------
     name : str
         With its folder, without ending.
-    sheet : Sheet
     decimal_comma : bool
         As for `csv_bytes`.
     """
@@ -134,7 +133,6 @@ def measures_sheet(compared: Sequence[ComparisonDetail], started_at: datetime | 
     ----------
     compared : sequence of ComparisonDetail
         Of one session, with each template that it was compared with.
-    started_at : datetime or None
     exercise : str
         Its name; empty for free movement.
     """
@@ -177,12 +175,7 @@ def _columns_of(measure: MeasureValue) -> tuple[Column, Column]:
 
 
 def strides_sheet(strides: Sequence[FootStride]) -> Sheet:
-    """Return the strides of a walk, a row a stride, in the order of time.
-
-    Parameters
-    ----------
-    strides : sequence of FootStride
-    """
+    """Return the strides of a walk, a row a stride, in the order of time."""
     columns = [Column("foot", "", "left or right")]
     for name, meaning in OF_STRIDE.items():
         unit = next((unit for unit in ("mps", "rad", "m", "s") if name.endswith(f"_{unit}")), "")

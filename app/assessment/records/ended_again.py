@@ -37,7 +37,6 @@ def apply(engine: Engine, settings: Settings, entries: Sequence[Ended]) -> Count
     ----------
     engine : Engine
         Of a database of the newest schema.
-    settings : Settings
     entries : sequence of Ended
         Oldest first.
 

@@ -30,12 +30,10 @@ def erase(engine: Engine, settings: Settings, subject: Subject, patient_id: str)
 
     Parameters
     ----------
-    engine : Engine
     settings : Settings
         For the folder of uploaded files.
     subject : Subject
         With the level `erase`.
-    patient_id : str
 
     Raises
     ------
@@ -68,9 +66,6 @@ def erase_now(session: Session, settings: Settings, subject: Subject, patient: P
     ----------
     session : Session
         Writing. Files go once it is committed.
-    settings : Settings
-    subject : Subject
-    patient : Patient
     """
     own = select(MotionSession.id).where(MotionSession.patient_id == patient.id)
     remove_files_of(session, settings, own)
@@ -88,7 +83,6 @@ def erase_templates_from(session: Session, patient_id: str) -> None:
     ----------
     session : Session
         Writing.
-    patient_id : str
     """
     own = select(MotionSession.id).where(MotionSession.patient_id == patient_id)
     made_from = TemplateVersion.source_session_id.in_(own)

@@ -37,7 +37,6 @@ def merge(session: Session, subject: Subject, patient_id: str, wanted: MergeIn) 
         Who may treat both patients.
     patient_id : str
         The record that stays; not archived, with consent to treatment.
-    wanted : MergeIn
 
     Raises
     ------

@@ -34,8 +34,6 @@ def change(session: Session, subject: Subject, session_id: str, wanted: SessionP
         Writing.
     subject : Subject
         Who may treat both patients.
-    session_id : str
-    wanted : SessionPatch
 
     Raises
     ------
@@ -99,13 +97,10 @@ def move(session: Session, subject: Subject, found: MotionSession, patient_id: s
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Its rights to both were checked.
-    found : MotionSession
     patient_id : str
         Of the same clinic.
-    reason : str
     """
     left = found.patient_id
     audit.record(session, subject, "session.move_out", left, found.id, {"to": patient_id, "reason": reason})
@@ -126,8 +121,6 @@ def compare_anew(session: Session, subject: Subject, found: MotionSession) -> No
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
     found : MotionSession
         Where it belongs now.
     """
@@ -170,13 +163,7 @@ def _require_no_own_template(session: Session, found: MotionSession) -> None:
 
 
 def put_again(session: Session, session_id: str, patient_id: str) -> bool:
-    """Move a session as the register says it was moved, in a database that is older; False where nothing is to be done.
-
-    Parameters
-    ----------
-    session : Session
-    session_id, patient_id : str
-    """
+    """Move a session as the register says it was moved, in an older database; False where nothing is to be done."""
     found, patient = session.get(MotionSession, session_id), session.get(Patient, patient_id)
     if found is None or patient is None or found.patient_id == patient_id:
         return False

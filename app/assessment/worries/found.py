@@ -55,7 +55,6 @@ def worries_of(session: Session, patient_ids: Iterable[str]) -> dict[str, list[W
 
     Parameters
     ----------
-    session : Session
     patient_ids : iterable of str
         Access was checked.
     """

@@ -19,11 +19,8 @@ def list_worries(session: Session, subject: Subject, patient_id: str, page: Page
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         With the level `read`.
-    patient_id : str
-    page : Page
     """
     require_patient(session, subject, patient_id, "read")
     audit.record(session, subject, "worry.list", patient_id)
@@ -37,11 +34,8 @@ def mark_seen(session: Session, subject: Subject, patient_id: str, shown: list[S
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         Who may treat the patient; neither consent nor archive keeps anybody from having seen something.
-    patient_id : str
-    shown : list of SeenWorry
 
     Raises
     ------

@@ -17,10 +17,8 @@ class StoppedForPain(NamedTuple):
 
     Attributes
     ----------
-    session_id : str
     at : datetime
         When it began.
-    exercise_id, prescription_id : str or None
     """
 
     session_id: str
@@ -48,8 +46,6 @@ def stopped_for_pain(
 
     Parameters
     ----------
-    session : Session
-    patient_ids : iterable of str
     start : datetime
         Sessions that began since then. Also those in which nothing valid was done before it hurt.
     """

@@ -28,7 +28,6 @@ def add_commands(cli: typer.Typer, *declared: type[CommandOptions]) -> None:
 
     Parameters
     ----------
-    cli : typer.Typer
     *declared : type[CommandOptions]
         The fields' annotations carry `typer.Option` or `typer.Argument`; the field's default is that of the option.
     """

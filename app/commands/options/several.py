@@ -13,10 +13,6 @@ from app.errors import InvalidInput
 def as_one(paths: Sequence[Path]) -> Iterator[Path]:
     """Give a recording as one file: itself, or a zip of its tables in a folder that goes again.
 
-    Parameters
-    ----------
-    paths : sequence of Path
-
     Raises
     ------
     InvalidInput

@@ -47,7 +47,6 @@ def process_bursts(
     ----------
     recording : Path
         A packet log: other formats have no coil states.
-    out : Path
     format : str
         `auto` or `packet_log`.
     rate : float or None

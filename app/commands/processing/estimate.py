@@ -42,12 +42,10 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
 
     Parameters
     ----------
-    measured : Recording
     file : Path
         From which it was read.
     out : Path
         Folder, made when absent.
-    asked : Asked
 
     Raises
     ------

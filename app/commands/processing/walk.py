@@ -32,7 +32,6 @@ def analyse(
         Of the feet.
     shoes : Recording or None
         Heels and forefeet with their load cells.
-    setup : SessionSetup
 
     Returns
     -------
@@ -62,10 +61,8 @@ def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str =
 
     Parameters
     ----------
-    walk : Walk
     out : Path
         An existing folder.
-    shoes : ShoeWalk, optional
     note : str
         A reason to be reported with the walk's own.
     """

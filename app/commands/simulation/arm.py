@@ -65,10 +65,6 @@ class Options:
 def scenario_of(options: Options) -> ArmScenario:
     """Return what the simulated person does.
 
-    Parameters
-    ----------
-    options : Options
-
     Raises
     ------
     InvalidInput
@@ -216,10 +212,6 @@ async def _reached(service: ServiceClient, session_id: str, time_s: float) -> No
 
 def simulate(options: Options) -> None:
     """Run the command.
-
-    Parameters
-    ----------
-    options : Options
 
     Raises
     ------

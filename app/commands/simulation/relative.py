@@ -117,7 +117,6 @@ def write_log(options: RelativeOptions, log: Path) -> RelativePatient:
     ----------
     options : RelativeOptions
         With `bursts`.
-    log : Path
 
     Returns
     -------

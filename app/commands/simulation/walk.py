@@ -82,7 +82,6 @@ async def stream(
     ----------
     service : ServiceClient
         Signed in as somebody who may treat the patient.
-    options : WalkOptions
     say : callable(text)
     recording : Recording, optional
         Sent instead of what the sensors of the simulated walk give.

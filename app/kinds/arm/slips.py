@@ -26,14 +26,7 @@ _JOINTS: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 class SlippedLine(HeadingLine):
-    """A pipeline over a stored session, with the slips that were found in it.
-
-    Parameters
-    ----------
-    pipeline : Pipeline
-    resets : sequence of HeadingReset
-    slips : sequence of Slip
-    """
+    """A pipeline over a stored session, with the slips that were found in it."""
 
     def __init__(self, pipeline: Pipeline, resets: Sequence[HeadingReset], slips: Sequence[Slip]) -> None:
         super().__init__(pipeline, resets)
@@ -52,8 +45,6 @@ def slips_of(
 
     Parameters
     ----------
-    setup : SessionSetup
-    resets : sequence of HeadingReset
     pieces : iterable of ImuChunk
         The whole session, as its result will be estimated.
     from_s : float
@@ -83,7 +74,6 @@ def mounted_since_s(context: JobContext, resets: Sequence[HeadingReset]) -> floa
 
     Parameters
     ----------
-    context : JobContext
     resets : sequence of HeadingReset
         Since the mounting in force was set, earliest first.
 

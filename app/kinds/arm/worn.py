@@ -17,7 +17,6 @@ def report_worn(context: JobContext, setup: SessionSetup, at_s: float) -> None:
 
     Parameters
     ----------
-    context : JobContext
     setup : SessionSetup
         Judged.
     at_s : float

@@ -83,9 +83,6 @@ def balance_of(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    session_id : str
     result_id : str, optional
         The main result by default.
     placement : str, optional
@@ -135,7 +132,6 @@ def spans_of(session: Session, found: MotionSession) -> list[tuple[Condition, fl
 
     Parameters
     ----------
-    session : Session
     found : MotionSession
         Of which access was checked. Without marks its whole recording is one trial. What was marked before Record was
         pressed begins there, or is no trial where it had ended by then; the same for Stop.

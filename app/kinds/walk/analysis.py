@@ -37,7 +37,6 @@ def follow_feet(
 
     Parameters
     ----------
-    context : JobContext
     setup : SessionSetup
         Of the pipeline `gait`.
     pieces : iterable of ImuChunk
@@ -46,10 +45,6 @@ def follow_feet(
         Where on the task's scale of 0 to 1 this work begins.
     relative : RelativeFeet, optional
         What a magnetic source on one shoe tells of the other.
-
-    Returns
-    -------
-    Analysis
 
     Raises
     ------

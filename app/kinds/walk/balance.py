@@ -21,10 +21,6 @@ _SUPPORT_HZ: Final = 5.0
 def balance_of(found: ShoeWalk) -> BalanceOut:
     """Return the balance of a walk.
 
-    Parameters
-    ----------
-    found : ShoeWalk
-
     Returns
     -------
     BalanceOut

@@ -54,9 +54,6 @@ def foot_curves(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    session_id : str
     result_id : str, optional
         The main result by default.
     max_points : int
@@ -100,10 +97,8 @@ def source_of(
 
     Parameters
     ----------
-    frames : Frames
     content : WalkContent
         Stored with them.
-    result : Result
     recorded_s : (float or None, float or None)
         Half-open session time in which strides count.
     """
@@ -131,7 +126,6 @@ def cycles_of(foot: FootOut, start_s: float | None, end_s: float | None) -> Cycl
 
     Parameters
     ----------
-    foot : FootOut
     start_s, end_s : float or None
         Half-open session time in which strides count.
 

@@ -28,8 +28,6 @@ def cycle_curves(
 
     Parameters
     ----------
-    trajectory : FootTrajectory
-    strides : Strides
     counted : ndarray of bool, shape (n,)
         Strides to take; those without a contact before are left out.
 

@@ -9,10 +9,6 @@ Followed = tuple[str, str, float, float | None, int]
 def followed_of(content: WalkContent) -> list[Followed]:
     """Return the measures of a walk that have a value.
 
-    Parameters
-    ----------
-    content : WalkContent
-
     Returns
     -------
     list of tuple

@@ -37,11 +37,8 @@ def walks_of(session: Session, subject: Subject, patient_id: str, page: Page) ->
 
     Parameters
     ----------
-    session : Session
     subject : Subject
         May read the patient.
-    patient_id : str
-    page : Page
     """
     rows = []
     for found, exercise, chunk in repository.list_walks(session, subject, patient_id, page):
@@ -64,13 +61,6 @@ def walks_of(session: Session, subject: Subject, patient_id: str, page: Page) ->
 
 def compare(session: Session, subject: Subject, patient_id: str, wanted: ConditionsIn) -> ConditionsOut:
     """Compare the walks of one condition with those of another.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-    patient_id : str
-    wanted : ConditionsIn
 
     Raises
     ------

@@ -12,12 +12,7 @@ MOST_PATH: Final = 5_000
 
 
 def beginning(content: WalkContent) -> WalkContent:
-    """Return a walk with its numbers whole, and of its lists what belongs to the first strides.
-
-    Parameters
-    ----------
-    content : WalkContent
-    """
+    """Return a walk with its numbers whole, and of its lists what belongs to the first strides."""
     feet = [_first(foot) for foot in content.feet]
     is_whole = all(len(foot.strides) == foot.stride_count for foot in feet)
     balance = content.balance
@@ -27,13 +22,7 @@ def beginning(content: WalkContent) -> WalkContent:
 
 
 def page_of(content: WalkContent, page: Page) -> list[FootStride]:
-    """Return a page of the strides of both feet, in the order of their contacts.
-
-    Parameters
-    ----------
-    content : WalkContent
-    page : Page
-    """
+    """Return a page of the strides of both feet, in the order of their contacts."""
     strides = [
         FootStride.model_construct(side=foot.side, **dict(one))
         for foot in content.feet
@@ -44,12 +33,7 @@ def page_of(content: WalkContent, page: Page) -> list[FootStride]:
 
 
 def thinned(path_m: list[list[float]]) -> list[list[float]]:
-    """Return every n-th place of a path, so that at most `MOST_PATH` are left.
-
-    Parameters
-    ----------
-    path_m : list
-    """
+    """Return every n-th place of a path, so that at most `MOST_PATH` are left."""
     return path_m[:: max(1, -(-len(path_m) // MOST_PATH))]
 
 

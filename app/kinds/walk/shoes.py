@@ -30,8 +30,6 @@ def store_shoes(session: Session, session_id: str, recording: Recording) -> None
 
     Parameters
     ----------
-    session : Session
-    session_id : str
     recording : Recording
         Sensors on one time base, see `read_instrumented_shoe`.
     """
@@ -65,7 +63,6 @@ def shoes_of(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Recording
     ----------
     pieces : sequence of ImuChunk
         The whole session, sensors in the order of the setup.
-    setup : SessionSetup
 
     Returns
     -------

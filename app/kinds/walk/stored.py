@@ -55,7 +55,6 @@ def recording_of(
     ----------
     pieces : iterable of ImuChunk
         Consecutive, sensors in the order of the setup.
-    setup : SessionSetup
     hello : mapping, optional
         Of the gateway; may tell where the devices clip.
     """
@@ -96,7 +95,6 @@ def content_of(
     ----------
     walk : Walk
         In the room of the shoes where there are any.
-    shoes : ShoeWalk, optional
     test : str
         Which walking test it was.
     notes : sequence of str
@@ -147,13 +145,7 @@ def content_of(
 
 
 def reasons_of(walk: Walk, shoes: ShoeWalk | None) -> list[str]:
-    """Return what a reader of a walk's numbers must know.
-
-    Parameters
-    ----------
-    walk : Walk
-    shoes : ShoeWalk, optional
-    """
+    """Return what a reader of a walk's numbers must know."""
     return [*walk.summary.reasons, *(() if shoes is None else shoes.reasons)]
 
 

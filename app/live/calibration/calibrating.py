@@ -51,9 +51,6 @@ class CalibrationDesk:
 
     Parameters
     ----------
-    placements : tuple of Placement
-    time_step_s : float
-    line : EstimationLine
     hemisphere : {"north", "south", "unknown"}
         Of the place; tells how the earth's field points.
     tell : callable(message)

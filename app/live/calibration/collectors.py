@@ -48,8 +48,6 @@ class Outcome:
     ----------
     calibration : Calibration or None
         None when only devices were calibrated.
-    devices : dict of Placement to DeviceCalibration
-    device_scores : dict of Placement to float
     start_s, end_s : float
         Session time of the samples.
     details : dict
@@ -74,10 +72,8 @@ class Collector(ABC):
 
     Parameters
     ----------
-    wanted : CalibrationIn
     placements : tuple of Placement
         Sensors of the session in the order of the packets.
-    time_step_s : float
     """
 
     is_reviewed: ClassVar[bool] = False

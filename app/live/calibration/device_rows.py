@@ -23,15 +23,7 @@ from estimators.pipelines import DeviceConstants, SessionSetup
 def with_known_devices(
     engine: Engine, clinic_id: str, setup: SessionSetup, declaration: Declaration
 ) -> SessionSetup:
-    """Return the setup with what is remembered of the sensors that the gateway declares.
-
-    Parameters
-    ----------
-    engine : Engine
-    clinic_id : str
-    setup : SessionSetup
-    declaration : Declaration
-    """
+    """Return the setup with what is remembered of the sensors that the gateway declares."""
     serials = declaration.serial_of
     if not serials:
         return setup

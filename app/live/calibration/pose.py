@@ -24,7 +24,6 @@ class PoseCollector:
     ----------
     placements : tuple of str
         For the hint.
-    time_step_s : float
     begin_hint : str
         What to do, shown until the first chunk.
     """

@@ -70,7 +70,6 @@ class FirstSeconds:
     ----------
     names : sequence of str
         Placements in the order of the chunks.
-    time_step_s : float
     tell : callable(findings, time_s)
         Called on the loop's thread with what is new.
     hemisphere : {"north", "south", "unknown"}

@@ -20,7 +20,6 @@ class ForceChange:
 
     Attributes
     ----------
-    side : Side
     state : str
         One of `FORCE_STATES`.
     tick : int

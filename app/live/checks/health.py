@@ -54,7 +54,6 @@ class LinkHealth:
     ----------
     placements : sequence of str
         Sensors in the order of the packets.
-    time_step_s : float
     """
 
     def __init__(self, placements: Sequence[str], time_step_s: float) -> None:

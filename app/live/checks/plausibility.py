@@ -38,7 +38,6 @@ class Checked(NamedTuple):
     ----------
     known : bytes
         What is known of the whole stream now: a packed `RecordingCheck`.
-    findings : list of Finding
     clip_levels : ndarray, shape (S, 2, 2, 3)
         As of `RecordingCheck`.
     cost_s : float

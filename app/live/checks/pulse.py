@@ -18,13 +18,7 @@ _WORD: Final = '{"type":"pulse"}'
 
 
 class Pulse:
-    """The pulse of one accepted socket.
-
-    Parameters
-    ----------
-    websocket : WebSocket
-    every_s : float
-    """
+    """The pulse of one accepted socket."""
 
     def __init__(self, websocket: WebSocket, every_s: float = PULSE_S) -> None:
         self._websocket = websocket

@@ -47,7 +47,6 @@ class StraySource:
         ----------
         first_s : float
             Session time of the first tick.
-        time_step_s : float
         coil_state : ndarray, shape (S, K), or None
             As the sensors sent it; None where they sent none.
         placements : tuple of str

@@ -32,7 +32,6 @@ def write_blocks(
     places : ndarray of int64, shape (N, 3)
         First row in `columns`, rows, and where in `out` the block begins.
     heads : ndarray of uint32, shape (N, H)
-    columns : Columns
     words, out : ndarray of uint32 and float32
         The same memory.
     """

@@ -38,13 +38,7 @@ KEY: Final = 3
 
 
 class Journal:
-    """Bytes of packets, each at a multiple of eight, and a list of them.
-
-    Attributes
-    ----------
-    packets : Packets
-    received : list of Received
-    """
+    """Bytes of packets, each at a multiple of eight, and a list of them."""
 
     def __init__(self, size: int = JOURNAL_BYTES) -> None:
         self._words = np.zeros(size // 8, dtype=np.uint64)

@@ -122,11 +122,6 @@ class Lane:
 
     The session's clock, alignment, pipeline and newest samples go on over rows of a pool. Whatever else happens to the
     session moves them on as before; the lane notices by what they hold, and goes on from there.
-
-    Parameters
-    ----------
-    session : Pooled
-    engine : Slots
     """
 
     def __init__(self, session: Pooled, engine: Slots) -> None:

@@ -57,7 +57,6 @@ def pool_key(pipeline: Pipeline, channels: int, carried: int) -> Hashable | None
 
     Parameters
     ----------
-    pipeline : Pipeline
     channels : int
         Of motion.
     carried : int
@@ -158,7 +157,6 @@ class SessionPool:
 
         Parameters
         ----------
-        slots : sequence of int
         offsets, lengths : sequence of int
             Where they lie in the journal.
         """
@@ -213,7 +211,6 @@ class SessionPool:
             Number of the first tick wanted.
         row : int
             Of its frames, as `take` returned it.
-        ticks : int
         """
         assert row // FRAME_ROWS == (row + ticks - 1) // FRAME_ROWS, "frames of another session"
         return self.kind.frames(first_tick, row, row + ticks)

@@ -83,8 +83,6 @@ def take_arms(
         By the places above; without pipes `REQUESTS` is negative.
     byte : ndarray of uint8, shape (1,)
         What comes and goes through the pipes.
-    items : ndarray of ITEM
-    stretches : ndarray of STRETCH
     even, odd : Packets
         Of the two journals.
     network, placed

@@ -105,7 +105,6 @@ class PooledEngine:
 
         Parameters
         ----------
-        sender : Sender
         data : memoryview
             As it came, masked.
         key : int

@@ -52,7 +52,6 @@ class GuidanceDesk:
     ----------
     prescribed : PrescribedGuidance or None
         None: nothing to follow; pausing, pain and stopping are taken all the same.
-    tick_s : float
     taken_up : TakenUp
         What was counted before a restart.
     add_event : callable
@@ -130,7 +129,6 @@ class GuidanceDesk:
 
         Parameters
         ----------
-        frames : Frames
         is_counting : bool
             Within the interval in which repetitions count.
         is_live : bool

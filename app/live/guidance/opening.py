@@ -26,8 +26,6 @@ def is_to_be_guided(engine: Engine, session_id: str, default_zone: str) -> bool:
 
     Parameters
     ----------
-    engine : Engine
-    session_id : str
     default_zone : str
         As of `guide_session`.
     """
@@ -49,8 +47,6 @@ def guide_session(
     ----------
     session : LiveSession
         Not yet given to anybody.
-    engine : Engine
-    bus : Bus
     default_zone : str
         In which a day begins where a clinic has not said so.
     streamed : Streamed, optional

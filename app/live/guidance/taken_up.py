@@ -24,15 +24,12 @@ class TakenUp:
 
     Attributes
     ----------
-    counts : GuidanceCounts
     in_set : GuidanceCounts
         Of `counts`, those since the last set ended.
-    has_ended_a_set : bool
     is_done : bool
         The prescribed number was reached.
     cause : str
         Why it was paused or stopped; empty while it went on.
-    is_stopped : bool
     time_s : float
         Session time of the last entry.
     has_set_aside : bool

@@ -36,10 +36,6 @@ class RightsDesk:
     async def check(self, question: RightQuestion) -> None:
         """Return when a socket may go on; raise why it may not.
 
-        Parameters
-        ----------
-        question : RightQuestion
-
         Raises
         ------
         SignInRequired, NotFound, NotAllowed

@@ -60,11 +60,6 @@ class RightQuestion:
 def still_allowed(engine: Engine, question: RightQuestion) -> None:
     """Check one open socket again: a set of one.
 
-    Parameters
-    ----------
-    engine : Engine
-    question : RightQuestion
-
     Raises
     ------
     SignInRequired
@@ -81,11 +76,6 @@ def still_allowed(engine: Engine, question: RightQuestion) -> None:
 
 def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[TelemotionError | None]:
     """Return for each socket why it must end, None while it may go on.
-
-    Parameters
-    ----------
-    engine : Engine
-    questions : sequence of RightQuestion
 
     Notes
     -----

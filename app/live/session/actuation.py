@@ -47,7 +47,6 @@ class Actuation:
 
     Parameters
     ----------
-    pipeline : RelativePosePipeline
     tell : callable
         Takes events of the time line.
     """

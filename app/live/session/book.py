@@ -28,7 +28,6 @@ class SessionBook(ABC):
 
     Parameters
     ----------
-    stored : StoredSession
     engine, writer, bus
         Resources of the service.
     """

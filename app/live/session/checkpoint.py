@@ -57,10 +57,8 @@ class State:
     ----------
     key : bytes
         See `key_of`.
-    clock : tuple of int
     met : tuple of ClockEpoch, tuple of FoundClips
         Which the session had met: they are stored with the hello, apart from what is stored here.
-    arrays : mapping of str to ndarray
     """
 
     key: bytes
@@ -118,7 +116,6 @@ def resume(session: LiveSession, checkpoint: Checkpoint | None) -> bool:
     ----------
     session : LiveSession
         Not yet given to anybody.
-    checkpoint : Checkpoint or None
     """
     if checkpoint is None or checkpoint.layout != LAYOUT:
         return False

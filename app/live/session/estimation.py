@@ -24,7 +24,6 @@ class EstimationLine:
 
     Parameters
     ----------
-    pipeline : Pipeline
     after : callable(chunk, frames, arrival_s)
         Takes the frames of each chunk, in order.
     failed : callable(error)

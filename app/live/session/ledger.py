@@ -115,12 +115,7 @@ class SequenceLedger:
 
 
 class Acknowledgements:
-    """What one connected gateway hears of its packets.
-
-    Parameters
-    ----------
-    session_id : str
-    """
+    """What one connected gateway hears of its packets."""
 
     def __init__(self, session_id: str) -> None:
         self._session_id = session_id
@@ -134,7 +129,6 @@ class Acknowledgements:
 
         Parameters
         ----------
-        ledger : SequenceLedger
         state : str
             Of the session.
         """

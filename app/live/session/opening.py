@@ -55,11 +55,8 @@ class Opener:
 
     Parameters
     ----------
-    engine : Engine
     writer : GroupCommitWriter
         Started.
-    bus : Bus
-    place : Place
     check : CheckProcess
         Where the first seconds are checked.
     is_exact : bool
@@ -174,10 +171,6 @@ class Opener:
 def check_network(known: Declaration, declared: Declaration) -> None:
     """Raise when a gateway declares another network than the session began with.
 
-    Parameters
-    ----------
-    known, declared : Declaration
-
     Raises
     ------
     PacketError
@@ -191,11 +184,6 @@ def check_network(known: Declaration, declared: Declaration) -> None:
 
 def setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
     """Return the setup in the packet order and at the rate of the gateway.
-
-    Parameters
-    ----------
-    setup : SessionSetup
-    declaration : Declaration
 
     Raises
     ------

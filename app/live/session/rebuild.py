@@ -47,7 +47,6 @@ def rebuild(
     ----------
     session : LiveSession
         Not yet given to anybody; open at the writer.
-    engine : Engine
     checkpoint : Checkpoint, optional
         Where the session stood; one that does not fit is left.
     chunks : sequence of EncodedChunk, optional

@@ -55,10 +55,8 @@ class LiveSession(PooledSession):
 
     Parameters
     ----------
-    stored : StoredSession
     declaration : Declaration
         From the hello, with the clock epochs known.
-    pipeline : Pipeline
     engine, writer, bus
         Resources of the service.
     result_id : str
@@ -141,7 +139,6 @@ class LiveSession(PooledSession):
 
         Parameters
         ----------
-        packet : Packet
         arrival_s : float
             Monotonic.
         arrival_ns : int

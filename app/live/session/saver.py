@@ -26,7 +26,6 @@ async def until_written(write: Callable[[], None], patience_s: float = PATIENCE_
     ----------
     write : callable()
         One transaction, so that it can be repeated.
-    patience_s : float
 
     Raises
     ------

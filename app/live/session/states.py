@@ -39,7 +39,6 @@ class StateMachine:
     ----------
     state : SessionState
         As stored.
-    reason : str
     """
 
     def __init__(self, state: SessionState = "created", reason: str = "") -> None:

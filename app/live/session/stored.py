@@ -14,7 +14,6 @@ def stored_state(stored: StoredSession, sent_away: Sentence | None = None) -> St
 
     Parameters
     ----------
-    stored : StoredSession
     sent_away : Sentence, optional
         Why its gateway is to come again later.
     """
@@ -30,12 +29,7 @@ def stored_state(stored: StoredSession, sent_away: Sentence | None = None) -> St
 
 
 def stored_layout(stored: StoredSession) -> LayoutMessage:
-    """Return the columns that the session's frames will have.
-
-    Parameters
-    ----------
-    stored : StoredSession
-    """
+    """Return the columns that the session's frames will have."""
     setup = SessionSetup.from_dict(stored.setup)
     pipeline = pipelines.create(setup)
     return layout_message(stored.id, pipeline.layout, setup.rate_hz, pipeline.delay_ticks)

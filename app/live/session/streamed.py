@@ -22,8 +22,6 @@ class Streamed:
         The live result.
     first_unstored_tick : int
         Of its frames.
-    standing : Standing
-    checkpoint : Checkpoint or None
     chunks : sequence of EncodedChunk or None
         Those that have packets behind the checkpoint; nothing without one. None where they are still to be read.
     guided : TakenUp

@@ -35,8 +35,6 @@ def crc32(
 
     Parameters
     ----------
-    data : ndarray of uint8
-    start, stop : int
     before : uint32
         Zero for the first bytes.
     tables : ndarray of uint32, shape (8, 256)

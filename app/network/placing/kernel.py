@@ -460,7 +460,6 @@ def place(
         Of sessions of one pool; a session may come more than once. Filled from `status` on.
     count : int
         How many items there are.
-    packets : Packets
     network : Network
         Carried on for the sessions of ordinary packets.
     placed : Placed

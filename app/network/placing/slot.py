@@ -125,7 +125,6 @@ class Packets(NamedTuple):
 
     Attributes
     ----------
-    data : ndarray of uint8
     counts, numbers : ndarray of int16 and float32
         The same memory.
     tables : ndarray of uint32, shape (8, 256)
@@ -177,7 +176,6 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int, 
 
     Parameters
     ----------
-    sessions, channels, sensors, recent_ticks : int
     mask : int
         Bits of the channels that are carried beside motion.
     """

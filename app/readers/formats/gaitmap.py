@@ -35,7 +35,6 @@ def read_gaitmap(path: Path, name: str = "") -> Recording:
 
     Parameters
     ----------
-    path : Path
     name : str
         What the file was called before it was uploaded; by default its name.
 

@@ -89,7 +89,6 @@ def write_instrumented_shoe(recording: Recording, path: Path) -> None:
     ----------
     recording : Recording
         With shoe sensors on one time base; others are left out.
-    path : Path
     """
     names, columns = ["time_s"], [recording.sensors["heel_left"].time_s]
     for side in SIDES:

@@ -31,8 +31,6 @@ class C3dPoints:
 
     Attributes
     ----------
-    labels : tuple of str
-    rate_hz : float
     position_m : ndarray, shape (N, P, 3)
         Axes of the laboratory as the file has them; NaN where a point was not seen.
     """

@@ -26,7 +26,6 @@ class MarkerTracks:
 
     Attributes
     ----------
-    names : tuple of str
     time_s : ndarray, shape (N,)
         Of the cameras, from the first frame.
     position_m : ndarray, shape (N, M, 3)

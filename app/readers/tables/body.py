@@ -32,7 +32,6 @@ def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[s
 
     Parameters
     ----------
-    path : Path
     wanted : list of str
         Names as `TableHead.columns` has them.
     delimiter : str or None
@@ -53,9 +52,6 @@ def read_table(
 
     Parameters
     ----------
-    path : Path
-    wanted : list of str
-    head : TableHead
     text : collection of str
         Those of them that are read as they are written.
 

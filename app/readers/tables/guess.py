@@ -62,7 +62,6 @@ def guess_of_head(
 
     Parameters
     ----------
-    head : TableHead
     name : str
         Of the file without its ending: may say the side of a foot.
     pipeline : str, optional

@@ -123,7 +123,6 @@ def named(column: str, *, letters: bool = False) -> Named | None:
 
     Parameters
     ----------
-    column : str
     letters : bool
         Whether a letter alone before the axis is a quantity.
     """

@@ -104,7 +104,6 @@ def text_format(name: str, start: bytes) -> str:
     ----------
     name : str
         With its ending.
-    start : bytes
     """
     source = Source(Path(name))
     # Cached properties may be given: the file itself is not here.

@@ -57,7 +57,6 @@ class Turns:
 
     Attributes
     ----------
-    column : str
     values : tuple of str
         As they are written, in the order of the table.
     quantities : dict of str to str
@@ -73,13 +72,7 @@ class Turns:
 
 
 def kinds_of_rows(head: TableHead, body: Body) -> Turns | None:
-    """Return the column that says of each row which quantity it holds; None where there is none.
-
-    Parameters
-    ----------
-    head : TableHead
-    body : Body
-    """
+    """Return the column that says of each row which quantity it holds; None where there is none."""
     for column in head.columns:
         values = _values(body, column)
         quantities = {value: found for value in values if (found := _quantity_said(value))}
@@ -178,8 +171,6 @@ def follow_each_other(
         Called as devices are, or holding places; else it may say what was done, one run after the other.
     values : collection of str
         That it holds.
-    time : str or None
-    unit : str
     """
     words = words_of(column)
     if time is None or any(map(_NO_DEVICE.fullmatch, words)) or any(map(DECIMAL.fullmatch, values)):
@@ -228,12 +219,10 @@ def devices_of_rows(
 
     Parameters
     ----------
-    body : Body
     columns : list of str
         Those that are neither signal nor clock.
     time : str or None
         The clock; None: rows are counted.
-    unit : str
     signals : tuple of str
         Of one quantity: what jumps from device to device.
     """

@@ -45,8 +45,6 @@ class Part:
 
     Attributes
     ----------
-    member : Member
-    head : TableHead
     label : str
         Stands before the names of its columns; empty where it is the only one.
     """
@@ -62,10 +60,6 @@ class Part:
 
 class Tables:
     """The tables of one recording in a zip.
-
-    Parameters
-    ----------
-    archive : Path
 
     Raises
     ------
@@ -152,7 +146,6 @@ class Tables:
             Those that are read as they are written.
         time_unit : str
             Of the clocks; see `CsvMapping`.
-        clocks : collection of str
         """
         found: dict[str, NDArray[Any]] = {}
         notes: list[Sentence] = []

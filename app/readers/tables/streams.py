@@ -36,7 +36,6 @@ class Clock:
         None: the rows follow each other at the rate.
     unit : str
         Of `CsvMapping.time_unit`.
-    rate_hz : float or None
     """
 
     column: str | None
@@ -72,7 +71,6 @@ def stream_of(
     ----------
     table : dict of str to ndarray, shape (T,)
     rows : ndarray of int, shape (R,)
-    clock : Clock
     columns : list of str
         Of the signals: tell a row that was written twice from samples that share a stamp.
 

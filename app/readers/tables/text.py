@@ -25,23 +25,13 @@ _CONTROLS: Final = bytes(set(range(32)) - {9, 10, 11, 12, 13, 26})
 
 
 def start_of(path: Path) -> bytes:
-    """Return the first `HEAD_BYTES` of a file.
-
-    Parameters
-    ----------
-    path : Path
-    """
+    """Return the first `HEAD_BYTES` of a file."""
     with path.open("rb") as file:
         return file.read(HEAD_BYTES)
 
 
 def later_of(path: Path) -> tuple[bytes, ...]:
-    """Return pieces of `LATER_BYTES` spread over a file behind its first `HEAD_BYTES`; none of a file that ends there.
-
-    Parameters
-    ----------
-    path : Path
-    """
+    """Return pieces of `LATER_BYTES` spread over a file behind its first `HEAD_BYTES`; none if it ends there."""
     size = path.stat().st_size
     count = min(MOST_LATER, -(-(size - HEAD_BYTES) // LATER_BYTES))
     if count <= 0:
@@ -55,10 +45,6 @@ def later_of(path: Path) -> tuple[bytes, ...]:
 
 def encoding_of(start: bytes) -> str:
     """Return how the beginning of a file is encoded.
-
-    Parameters
-    ----------
-    start : bytes
 
     Returns
     -------
@@ -110,7 +96,6 @@ def opened(path: Path, encoding: str) -> BinaryIO:
 
     Parameters
     ----------
-    path : Path
     encoding : str
         See `encoding_of`.
     """

@@ -44,7 +44,6 @@ class Body:
 
     Parameters
     ----------
-    head : TableHead
     most_rows : int
         Of them.
     """
@@ -105,7 +104,6 @@ class Body:
 
         Parameters
         ----------
-        column : str
         unit : str
             Of `CsvMapping.time_unit`.
         rate_hz : float, optional

@@ -35,7 +35,6 @@ class Series:
 
     Attributes
     ----------
-    name : str
     curves : callable(frames, setup)
         Returns the curves of consecutive ticks at full rate, always the same ones of a result.
     lacks : callable(setup, layout)

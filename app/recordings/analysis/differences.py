@@ -35,9 +35,6 @@ def differences(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    session_id, result_a, result_b : str
     max_points : int
         Of every curve; every n-th tick is taken.
 

@@ -154,7 +154,6 @@ def with_first_headings(
     ----------
     setup : SessionSetup
         Some headings are unknown.
-    resets : sequence of HeadingReset
     pieces : iterable of ImuChunk
         The session from tick 0 on.
 

@@ -203,7 +203,6 @@ class JobRunner:
 
     Parameters
     ----------
-    engine : Engine
     settings : Settings
         How many at once, and how much memory each may take.
     handlers : mapping of kind to Handler

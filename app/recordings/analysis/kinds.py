@@ -41,7 +41,6 @@ class Wanted:
 
     Attributes
     ----------
-    context : JobContext
     setup : SessionSetup
         With its calibration, or without: then the pose is evaluated first and applied to the whole session.
     pose_s : (float, float) or None

@@ -114,7 +114,6 @@ def estimated(
 
     Parameters
     ----------
-    context : JobContext
     line : HeadingLine
         The pipeline, and the headings set anew on the way.
     pieces : iterable of ImuChunk

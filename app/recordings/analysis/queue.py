@@ -67,12 +67,7 @@ class FairQueue:
         self._lock = threading.Lock()
 
     def take(self, session: Session) -> Waiting | None:
-        """Return the task to begin now, which counts as running until `done`; None when there is none or no place.
-
-        Parameters
-        ----------
-        session : Session
-        """
+        """Return the task to begin now, which counts as running until `done`; None when there is none or no place."""
         with self._lock:
             if len(self._running) >= self._workers:
                 return None
@@ -85,12 +80,7 @@ class FairQueue:
             return found
 
     def done(self, waiting: Waiting) -> None:
-        """Note that a task runs no more.
-
-        Parameters
-        ----------
-        waiting : Waiting
-        """
+        """Note that a task runs no more."""
         with self._lock:
             self._running.pop(waiting.job_id, None)
 

@@ -37,13 +37,8 @@ def series_of(
 
     Parameters
     ----------
-    session : Session
-    subject : Subject
-    session_id : str
-    names : sequence of str
     result_id : str, optional
         The main result by default.
-    start_s, end_s : float, optional
     max_points : int
         Of every curve; every n-th tick is taken, least and most are of all.
 

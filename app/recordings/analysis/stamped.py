@@ -24,7 +24,6 @@ def stored_recording(
     Parameters
     ----------
     source : Engine, Connection or Session
-    session_id : str
     hello : mapping or None
         What the session stored of its hello.
     placements : sequence of str

@@ -26,7 +26,6 @@ class Checkpoint:
         Of the data.
     sequence : int
         First packet that is not in it.
-    data : bytes
     """
 
     layout: int

@@ -31,7 +31,6 @@ class DiskUse:
 
     Parameters
     ----------
-    engine : Engine
     settings : Settings
         What a clinic may store, and what stays free of the disk.
     clock : callable
@@ -52,10 +51,6 @@ class DiskUse:
     def check(self, clinic_id: str) -> None:
         """Refuse to store more for a clinic that has used up what it may; blocks on the database.
 
-        Parameters
-        ----------
-        clinic_id : str
-
         Raises
         ------
         QuotaReached
@@ -70,12 +65,7 @@ class DiskUse:
             )
 
     def used_bytes(self, clinic_id: str) -> int:
-        """Return how much a clinic has on the disk: signals as counted some minutes ago at most, and files.
-
-        Parameters
-        ----------
-        clinic_id : str
-        """
+        """Return how much a clinic has on the disk: signals as counted some minutes ago at most, and files."""
         with self._lock:
             return self._used(clinic_id, self._most_bytes - 1)
 
@@ -145,7 +135,6 @@ class Room:
 
     Parameters
     ----------
-    disk : DiskUse
     clinic_id : str
         Whose quota it uses.
 
@@ -170,7 +159,6 @@ class Room:
 
         Parameters
         ----------
-        name : str
         announced_bytes : int
             0 where the sender does not say; the room then grows with what arrives.
 
@@ -186,10 +174,6 @@ class Room:
 
     def grow(self, arrived_bytes: int) -> None:
         """Say how much has arrived, before it is written; hold more where less was announced.
-
-        Parameters
-        ----------
-        arrived_bytes : int
 
         Raises
         ------

@@ -75,7 +75,6 @@ class GroupCommitWriter:
 
     Parameters
     ----------
-    engine : Engine
     commit_interval_s : float
         Longest time between commits while something is due.
     chunk_s : float
@@ -140,7 +139,6 @@ class GroupCommitWriter:
 
         Parameters
         ----------
-        session_id : str
         on_durable : callable(SequenceRanges)
             Called from the writer thread after each commit, with the whole durable set (a copy).
         on_failure : callable(TelemotionError)
@@ -250,7 +248,6 @@ class GroupCommitWriter:
 
         Parameters
         ----------
-        session_id : str
         made : callable()
             Makes what is stored; called in the writer's thread.
         """

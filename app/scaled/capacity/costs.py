@@ -61,12 +61,10 @@ class Plan:
 
     Attributes
     ----------
-    sessions : int
     workers, edges : int
         Processes, each on a core.
     broker_cores, database_cores : float
         Busy, not installed.
-    stream_mb_s, database_mb_s, view_mb_s : float
     database_tb_day : float
         Of packets and frames, when every session lasts the whole day.
     """

@@ -16,7 +16,6 @@ def capacity(sessions: int, partitions: int) -> None:
     ----------
     sessions : int
         Live at once, each watched.
-    partitions : int
     """
     costs = Costs()
     found = plan(sessions, costs)

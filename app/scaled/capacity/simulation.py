@@ -69,17 +69,10 @@ def fail(
 
     Parameters
     ----------
-    placement : Placement
     workers : int
         Before its death, at least two.
-    dead : int
-    costs : Costs
     generator : Generator
         Draws how soon the death is noticed.
-
-    Returns
-    -------
-    Failover
     """
     partitions = placement.worker_of_partition.size
     held = np.bincount(placement.worker_of_partition, minlength=workers)

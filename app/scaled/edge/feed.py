@@ -43,7 +43,6 @@ class FeedBus(MemoryBus):
 
     Parameters
     ----------
-    broker : Broker
     edge : str
         Below which subject this edge hears, `USER.NAME`.
     holders : callable()

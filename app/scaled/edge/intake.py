@@ -59,8 +59,6 @@ class EdgeIntake:
 
     Parameters
     ----------
-    session_id, connection : str
-    declaration : Declaration
     outbox : Outbox
         Of the session's partition.
     check_right : async callable

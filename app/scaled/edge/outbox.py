@@ -34,13 +34,7 @@ Durable = Callable[[], None]
 
 
 class Outbox:
-    """Sends one partition's entries.
-
-    Parameters
-    ----------
-    broker : Broker
-    partition : int
-    """
+    """Sends one partition's entries."""
 
     def __init__(self, broker: Broker, partition: int) -> None:
         self._broker, self._subject = broker, subject("in", partition)

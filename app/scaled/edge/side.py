@@ -48,10 +48,6 @@ class EdgeSide(LiveSide):
 
     Parameters
     ----------
-    engine : Engine
-    broker : Broker
-    feed : FeedBus
-    limits : Limits
     confirmation_hours : float
         As of `LiveManager`.
     """

@@ -33,8 +33,6 @@ class Callout:
 
     Parameters
     ----------
-    broker : Broker
-    issuer : Issuer
     is_open : async callable(ticket) -> bool
         Whether a ticket could be used now; it is used with the hello.
     longest_s : float
@@ -112,10 +110,8 @@ def callout_of(settings: Settings, engine: Engine, broker: Broker) -> Callout:
 
     Parameters
     ----------
-    settings : Settings
     engine : Engine
         Where tickets are.
-    broker : Broker
     """
 
     def look(ticket: str) -> bool:

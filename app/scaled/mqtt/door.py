@@ -54,8 +54,6 @@ class MqttDoor:
 
     Parameters
     ----------
-    broker : Broker
-    sink : PacketSink
     speed : float
         As of `IngestConnection`.
     most : int
@@ -153,13 +151,6 @@ class MqttDoor:
 
 
 def open_door(settings: Settings, broker: Broker, sink: PacketSink) -> MqttDoor:
-    """Return the door of an edge; it lets nobody in before its start.
-
-    Parameters
-    ----------
-    settings : Settings
-    broker : Broker
-    sink : PacketSink
-    """
+    """Return the door of an edge; it lets nobody in before its start."""
     most = settings.limit_streams.service
     return MqttDoor(broker, sink, settings.stream_speed, most, settings.drain_seconds)

@@ -35,13 +35,7 @@ STOP_AGAIN_S: Final = 0.3
 
 
 class Connections:
-    """The connections of a partition's gateways.
-
-    Parameters
-    ----------
-    sessions : PartitionSessions
-    outlet : Outlet
-    """
+    """The connections of a partition's gateways."""
 
     def __init__(self, sessions: PartitionSessions, outlet: Outlet) -> None:
         self._sessions, self._outlet = sessions, outlet

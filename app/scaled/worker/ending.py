@@ -15,7 +15,6 @@ async def end(tasks: Iterable[asyncio.Task[Any]], again_s: float = AGAIN_S) -> N
 
     Parameters
     ----------
-    tasks : iterable of Task
     again_s : float
         A task that goes on for so long is cancelled anew.
     """

@@ -52,12 +52,8 @@ class Entries:
 
     Parameters
     ----------
-    sessions : PartitionSessions
-    connections : Connections
-    outlet : Outlet
     engine : Engine
         Fenced.
-    shared : OfWorker
     """
 
     def __init__(

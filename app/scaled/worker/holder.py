@@ -44,11 +44,8 @@ class Worker(SteeredSide):
 
     Parameters
     ----------
-    broker : Broker
     engine : Engine
         With `app.scaled.fencing.install`; its connections are named `name`.
-    shared : OfWorker
-    name : str
     """
 
     def __init__(self, broker: Broker, engine: Engine, shared: OfWorker, name: str) -> None:

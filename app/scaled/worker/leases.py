@@ -68,11 +68,8 @@ class Leases:
 
     Parameters
     ----------
-    broker : Broker
     worker : str
         Its name; no other has it.
-    holder : Holder
-    length_s : float
     """
 
     def __init__(self, broker: Broker, worker: str, holder: Holder, length_s: float) -> None:

@@ -33,10 +33,8 @@ class Outlet:
 
     Parameters
     ----------
-    post : Post
     bus : MemoryBus
         Of the partition.
-    partition, fencing : int
     """
 
     def __init__(self, post: Post, bus: MemoryBus, partition: int, fencing: int) -> None:

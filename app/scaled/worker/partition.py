@@ -57,12 +57,8 @@ class Partition:
 
     Parameters
     ----------
-    number : int
-    broker : Broker
     engine : Engine
         Of this worker, not fenced.
-    shared : OfWorker
-    post : Post
     worker : str
         Name of the worker's connections to the database.
     refused : callable()

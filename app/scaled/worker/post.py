@@ -33,12 +33,7 @@ class _Bundle:
 
 
 class Post:
-    """Sends edges what partitions have for them.
-
-    Parameters
-    ----------
-    broker : Broker
-    """
+    """Sends edges what partitions have for them."""
 
     def __init__(self, broker: Broker) -> None:
         self._broker = broker
@@ -56,10 +51,8 @@ class Post:
 
         Parameters
         ----------
-        edge : str
         partition, fencing : int
             Of the lease under which it was found.
-        item : Published or Report
         """
         bundles, size = self._waiting[edge], len(item.data) if isinstance(item, Published) else 0
         if not bundles or bundles[-1].bytes + size > MESSAGE_BYTES:

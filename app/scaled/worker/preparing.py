@@ -49,7 +49,6 @@ class Preparation:
 
     Parameters
     ----------
-    engine : Engine
     readiness : Readiness
         Of compiled code.
     is_held : callable(session_id)

@@ -41,7 +41,6 @@ class Presence:
 
     Parameters
     ----------
-    broker : Broker
     worker : str
         Name of this one.
     workers : callable()

@@ -34,9 +34,6 @@ class Questions:
 
     Parameters
     ----------
-    sessions : PartitionSessions
-    outlet : Outlet
-    connections : Connections
     answer : async callable(Request)
     seal : Seal
         Of what edges send.

@@ -36,8 +36,6 @@ async def read(broker: Broker, partition: int, position: int) -> AsyncIterator[t
 
     Parameters
     ----------
-    broker : Broker
-    partition : int
     position : int
         Number of the last message that was taken before.
 

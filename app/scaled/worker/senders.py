@@ -21,7 +21,6 @@ class StreamSender:
 
     Parameters
     ----------
-    session : LiveSession
     refused : callable(text)
         Takes the JSON of the error of a packet that could not be taken, for the gateway.
     """

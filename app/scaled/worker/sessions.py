@@ -55,11 +55,9 @@ class PartitionSessions(LiveManager):
         Fenced.
     writer : GroupCommitWriter
         Started, on the same engine.
-    bus : MemoryBus
     on_closed : callable(session_id)
     drain : async callable(session_id)
         Returns when everything that edges have taken of a session is read.
-    shared : OfWorker
     """
 
     def __init__(

@@ -46,10 +46,6 @@ class Piece:
 def build_figure(body: BodyDimensions) -> tuple[Piece, ...]:
     """Return all pieces of a figure.
 
-    Parameters
-    ----------
-    body : BodyDimensions
-
     Returns
     -------
     tuple of Piece

@@ -51,7 +51,6 @@ def ghost_from_template(
 
     Parameters
     ----------
-    template : Template
     body : BodyDimensions
         The patient's, so that the two figures differ only in how they move.
     side : {"left", "right"}
@@ -125,7 +124,6 @@ class GhostClock:
 
         Parameters
         ----------
-        time_s : float
         warp : bool
             True lets the ghost follow the patient's timing within each repetition; False runs it at the
             therapist's pace from the start of each. Between repetitions it waits: at the end of the last one

@@ -88,8 +88,6 @@ def bone_track(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Floa
 
     Parameters
     ----------
-    track : PoseTrack
-    body : BodyDimensions
     side : {"left", "right"}
 
     Returns
@@ -121,8 +119,6 @@ def hand_points_m(track: PoseTrack, body: BodyDimensions, side: Side) -> Float:
 
     Parameters
     ----------
-    track : PoseTrack
-    body : BodyDimensions
     side : {"left", "right"}
 
     Returns

@@ -51,8 +51,6 @@ def leg_bones(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Float
 
     Parameters
     ----------
-    track : PoseTrack
-    body : BodyDimensions
     side : {"left", "right"}
 
     Returns

@@ -33,7 +33,6 @@ class GhostNode:
 
     Parameters
     ----------
-    server : viser.ViserServer
     track : PoseTrack
         Phases 0 to 100.
     body : BodyDimensions

@@ -63,7 +63,6 @@ class FeetLayer:
 
     Parameters
     ----------
-    server : viser.ViserServer
     track : FeetTrack
         The first one that is shown: tells which feet are worn, and whether forces are known.
     """

@@ -25,12 +25,7 @@ _NOTHING: Final = np.zeros((1, 2, 3), dtype=np.float32)
 
 
 class MarkersLayer:
-    """The nodes of one fused marker; they hang below one root, so that the picture can go along.
-
-    Parameters
-    ----------
-    server : viser.ViserServer
-    """
+    """The nodes of one fused marker; they hang below one root, so that the picture can go along."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         scene = server.scene
@@ -73,10 +68,8 @@ class MarkersLayer:
 
         Parameters
         ----------
-        track : MarkerTrack
         time_s : ndarray, shape (K,)
             Session time of its ticks.
-        tick : int
         """
         self._follow(track.followed_m[tick])
         now_s = float(time_s[tick])

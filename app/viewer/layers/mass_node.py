@@ -38,12 +38,7 @@ def mass_of(frames: Frames, body: BodyDimensions) -> tuple[Float32 | None, Float
 
 
 class MassNode:
-    """The nodes of one centre of mass.
-
-    Parameters
-    ----------
-    server : viser.ViserServer
-    """
+    """The nodes of one centre of mass."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         scene = server.scene

@@ -96,8 +96,6 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> Sente
 
     Parameters
     ----------
-    placement : str
-    distance_m : float
     is_lone : bool
         The place goes on without the source: the distance is then not shown as if it were measured.
     """
@@ -151,7 +149,6 @@ class ModuleLayer:
 
     Parameters
     ----------
-    server : viser.ViserServer
     names : tuple of str
         Placements, the source first.
     words : callable(sentence)

@@ -35,7 +35,6 @@ class SensorTrack:
 
     Attributes
     ----------
-    names : tuple of str
     wxyz : ndarray of float32, shape (K, N, 4)
         Orientation in the room.
     lost : ndarray of bool, shape (K, N)
@@ -86,8 +85,6 @@ class SensorLayer:
 
     Parameters
     ----------
-    server : viser.ViserServer
-    track : SensorTrack
     words : callable(sentence)
         In the language of the page.
     """

@@ -96,7 +96,6 @@ def chain_transforms(chain: LinkChain, joint_rad: ArrayLike, ends: Sequence[int]
 
     Parameters
     ----------
-    chain : LinkChain
     joint_rad : array_like, shape (..., n)
     ends : sequence of int, optional
         Which links, counted from 1; all by default.
@@ -214,15 +213,10 @@ def five_joint_pose(
     ----------
     q1, q2 : array_like, shape (..., 4)
         Upper-arm and forearm module, with the axes of the thesis (see `_two_link`).
-    upper_arm_m, forearm_m : float
     previous_rad : array_like, shape (5,), optional
         Joints at the tick before, for `continuous`.
     continuous : bool
         Consecutive ticks, shape (K, 4): joints are unwrapped and the first is held near the singularity.
-
-    Returns
-    -------
-    FiveJointPose
     """
     q1, q2 = np.asarray(q1, dtype=np.float64), np.asarray(q2, dtype=np.float64)
     if continuous:

@@ -178,10 +178,6 @@ def operation_count(method: KinematicMethod, link_count: int) -> OperationCount:
     link_count : int
         At least 1.
 
-    Returns
-    -------
-    OperationCount
-
     Raises
     ------
     SetupError

@@ -55,7 +55,6 @@ def segment_transforms(q_room_segment: Mapping[str, ArrayLike], body: BodyDimens
     q_room_segment : mapping of Placement to array, shape (..., 4)
         Worn segments. Without a sternum the thorax is upright; without a shoulder sensor the clavicle goes
         with the thorax; head and hand without a sensor go with thorax and forearm.
-    body : BodyDimensions
 
     Returns
     -------

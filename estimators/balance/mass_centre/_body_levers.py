@@ -52,7 +52,6 @@ class BodyLevers:
         orientation of pelvis and sternum.
     ankle : dict of Side to dict of str to ndarray
         Sum to each ankle.
-    ankle_height_m : float
     """
 
     mass: Levers
@@ -62,11 +61,6 @@ class BodyLevers:
 
 def body_levers(segments: BodySegments, body: BodyDimensions) -> BodyLevers:
     """Return the levers of a body.
-
-    Parameters
-    ----------
-    segments : BodySegments
-    body : BodyDimensions
 
     Notes
     -----

@@ -46,7 +46,6 @@ def integrate_twice(
     Parameters
     ----------
     acceleration_mps2 : ndarray, shape (N, 3)
-    rate_hz : float
     ends_at_rest : bool
         Whether the record ends standing: then the velocity left over is taken out linearly.
     """
@@ -81,14 +80,9 @@ def published_mass_centre(
         Of the sacrum or the centre of mass above the floor: the vertical has no other mean.
     cutoff_hz : tuple of 3 floats
         Of the filters of order 1, along x, y and z.
-    ends_at_rest : bool
     zero_phase : bool
         There and back; a single pass leaves a ramp of every constant acceleration error and is only here to
         show it (E4).
-
-    Returns
-    -------
-    MassCentre
 
     Raises
     ------

@@ -34,7 +34,6 @@ class SegmentalMassCentre:
     parts_m : dict of str to ndarray, shape (K, 3)
         Centre of each part, `shank_left` say.
     joints_m : dict of str to ndarray, shape (K, 3)
-    mass_share : dict of str to float
     assumed : tuple of str
         Segments without a sensor, which moved with their neighbour.
     """
@@ -60,17 +59,12 @@ def segmental_mass_centre(
     ----------
     q_room_segment : mapping of placement to ndarray, shape (K, 4)
         Any of the seventeen; at least sternum or pelvis. `shoulder_*` moves nothing but its joint.
-    segments : BodySegments
     body : BodyDimensions, optional
         The patient's lengths; legs and head follow from the stature.
     hip_m : ndarray, shape (K, 3), optional
         Where the middle of the hips is. Without it the result is above the room's origin horizontally.
     stands_on_floor : bool
         Without `hip_m`: put the lower foot on the floor at z = 0.
-
-    Returns
-    -------
-    SegmentalMassCentre
 
     Raises
     ------

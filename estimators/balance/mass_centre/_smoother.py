@@ -75,12 +75,10 @@ def smooth_mass_centre(
     ----------
     force_n, cop_m : ndarray, shape (N, 3)
         Of both feet, finite.
-    rate_hz, mass_kg : float
     mean_height_m : float
         Of the centre of mass above the floor.
     is_standing : ndarray of bool, shape (N,), optional
         Where the person stands and so does not move on.
-    parameters : MassCentreParameters, optional
 
     Returns
     -------
@@ -128,8 +126,6 @@ class LiveMassCentre:
 
     Parameters
     ----------
-    rate_hz, mass_kg, mean_height_m : float
-    parameters : MassCentreParameters, optional
     input_delay_s : float
         How late force and pressure centre are given; only passed on.
     """

@@ -94,10 +94,8 @@ class WornMassCentre:
     ----------
     placements : sequence of Placement
         In the order of the orientations; at least the trunk and both thighs.
-    body : BodyDimensions, optional
     segments : BodySegments, optional
         By default the mean of men and women.
-    parameters : WornBodyParameters, optional
 
     Attributes
     ----------

@@ -35,7 +35,6 @@ class Trial:
         Forward and left, from `sway_acceleration`; finite.
     rate_radps : ndarray, shape (N, 2)
         How fast it leans forward and left, as the gyroscope reads it; finite.
-    rate_hz : float
     sensor_height_m, height_m : float
         Above the ankles: of the sensor, and of the point of which displacement is given.
     """
@@ -117,10 +116,6 @@ def sway_ellipse(trial: Trial) -> Ellipse:
 
 def sway_measures(trial: Trial) -> dict[str, SwayMeasure]:
     """Return the measures of one trial of quiet standing by name.
-
-    Parameters
-    ----------
-    trial : Trial
 
     Returns
     -------

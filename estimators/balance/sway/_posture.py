@@ -75,7 +75,6 @@ def sway_lean(acceleration_mps2: Float, rate_radps: Float, rate_hz: float, heigh
         From `sway_acceleration`.
     rate_radps : ndarray, shape (N, 2)
         How fast the segment leans forward and left, as the gyroscope reads it, its constant error included.
-    rate_hz : float
     height_m : float
         Of the sensor above the ankles.
 
@@ -104,7 +103,6 @@ def lean_noise(frequency_hz: Float, height_m: float, acceleration_floor: Float, 
     ----------
     frequency_hz : ndarray, shape (F,)
         Above 0.
-    height_m : float
     acceleration_floor, rate_floor : ndarray, shape (2,)
         Densities, (m/s^2)^2/Hz and (rad/s)^2/Hz.
     """

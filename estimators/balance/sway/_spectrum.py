@@ -28,7 +28,6 @@ class SwayMeasure:
         In `unit`; NaN where it cannot be known.
     sigma : float
         One-sigma: this stretch of sway stands for all the sway of that person in that stance.
-    unit : str
     """
 
     value: float
@@ -103,7 +102,6 @@ def white_floor(values: Float, rate_hz: float) -> Float:
     ----------
     values : ndarray, shape (N, 2)
         Evenly sampled.
-    rate_hz : float
 
     Notes
     -----
@@ -126,7 +124,6 @@ def sway_spectrum(
     ----------
     values : ndarray, shape (N, 2)
         Evenly sampled.
-    rate_hz : float
     highest_hz : float
         Nothing above counts as sway.
     noise : callable

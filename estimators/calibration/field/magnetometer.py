@@ -85,13 +85,10 @@ class MagnetometerResult:
         After the correction.
     residual : float
         Relative RMS of the norm after the correction.
-    coverage : float
     heading_sigma_rad : float
         Expected error of the heading by what the fit could not tell.
     misalignment_rad : float
         Turn of the magnetometer against the accelerometer that was found and corrected; NaN if it was not.
-    score : float
-    reasons : tuple of str
     """
 
     calibration: TriadCalibration

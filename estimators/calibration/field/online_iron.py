@@ -26,8 +26,6 @@ class OnlineHardIron:
 
     Parameters
     ----------
-    sensor_count : int
-    time_step_s : float
     start_sigma_t : float
         How far the earlier calibration may be off, per axis.
     noise_t : float

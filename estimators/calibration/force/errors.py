@@ -75,7 +75,6 @@ def force_errors(windows: Windows, first: "ForceErrors | None" = None) -> ForceE
 
     Parameters
     ----------
-    windows : Windows
     first : ForceErrors, optional
         What the readings of these windows were corrected by; the odds stay its own.
 

@@ -87,7 +87,6 @@ def correction(name: str, errors: ForceErrors, dip_rad: float) -> Correction:
     ----------
     name : str
         Of the sensor.
-    errors : ForceErrors
     dip_rad : float
         Of the magnetic field, positive downward; NaN where it is not known, zero without a magnetometer.
 

@@ -51,7 +51,6 @@ class Cut:
     ----------
     rate, force : ndarray, shape (W, N, 3)
         rad/s without what the gyroscope reads at rest, and m/s^2; means of about 20 ms.
-    step_s : float
     """
 
     rate: NDArray[np.floating]
@@ -129,7 +128,6 @@ def cut(
     ----------
     rate, force : ndarray, shape (N, 3)
         rad/s and m/s^2, sensor axes; NaN where a sample is missing: its window is left out.
-    time_step_s : float
     is_bridged : ndarray of bool, shape (N,), optional
         Samples that were interpolated across a gap.
 
@@ -175,10 +173,6 @@ def _on_lines(values: Float) -> NDArray[np.bool_]:
 
 def summed(windows: Cut) -> Windows:
     """Sum up windows.
-
-    Parameters
-    ----------
-    windows : Cut
 
     Notes
     -----

@@ -54,7 +54,6 @@ class Postures:
         Of the segments.
     q_room_segment : ndarray, shape (N, G, 4)
         NaN where a segment was not tracked, or its heading has drifted.
-    step_s : float
     """
 
     names: tuple[str, ...]
@@ -84,7 +83,6 @@ def judged_by_movement(found: Calibration, postures: Postures) -> Calibration:
     ----------
     found : Calibration
         By a standing pose; others measured the joints and are returned as they are.
-    postures : Postures
 
     Returns
     -------

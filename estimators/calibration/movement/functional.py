@@ -85,16 +85,11 @@ def functional(
         Each begins at its starting posture: straight elbow, hanging arm. The palm may be turned either way first.
     flags : ndarray of uint8, shape (S, K), optional
         `OrientationFlag` bits; absent means sound and with a shared heading.
-    time_step_s : float
     assisted : bool
         The arm is moved by someone else, seated: smaller movements are taken, and the rest need not be an
         N-pose (the trunk upright, the upper arm roughly hanging). Less is known, and the result says how much.
     rest_pronation_rad : float
         Pronation of the forearm at rest: +90 degrees with the thumb forward or up, as in the N-pose.
-
-    Returns
-    -------
-    FunctionalResult
 
     Raises
     ------

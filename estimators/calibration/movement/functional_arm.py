@@ -32,14 +32,12 @@ class ArmMovements:
 
     Attributes
     ----------
-    side : Side
     limb : tuple of Placement
         Upper arm, forearm and, if worn, hand.
     q : dict of (Placement, movement) to ndarray
         Orientations, shape (N, 4); of `rest` the mean, shape (4,).
     rates : dict of (Placement, movement) to ndarray, shape (N, 3)
         Earth axes, bias taken out.
-    time_step_s : float
     """
 
     side: Side
@@ -72,7 +70,6 @@ def arm_frames(arm: ArmMovements, *, assisted: bool, rest_pronation_rad: float) 
         With `elbow_flexion`, `pronation` and `rest`; raises help.
     assisted : bool
         The rest is a seated one: gravity tells the long axes less.
-    rest_pronation_rad : float
 
     Notes
     -----

@@ -54,7 +54,6 @@ def principal_axis(name: str, rate: Float, time_step_s: float) -> AxisEstimate:
         Of the movement, with the side at its end: `elbow_flexion_right`.
     rate : ndarray, shape (N, 3)
         rad/s in the frame in which the axis is fixed; NaN is skipped.
-    time_step_s : float
 
     Raises
     ------
@@ -97,7 +96,6 @@ def refine_two_axes(
         Orientations in one common earth frame.
     rate_earth : ndarray, shape (N, 3)
         Rate of the distal against the proximal segment, earth axes.
-    time_step_s : float
 
     Returns
     -------

@@ -38,8 +38,6 @@ class Hinge:
     Attributes
     ----------
     joint : {"elbow", "knee"}
-    side : Side
-    upper, lower : Placement
     """
 
     joint: Bones
@@ -68,7 +66,6 @@ class Bending:
 
     Attributes
     ----------
-    hinge : Hinge
     bent_s : float
         How long it was bent.
     wrong_s : float
@@ -121,7 +118,6 @@ class Raising:
 
     Attributes
     ----------
-    side : Side
     raised_s : float
         How long it was raised above the height to which it can go back.
     wrong_s : float
@@ -151,7 +147,6 @@ def bent(hinge: Hinge, q_upper: Float, q_lower: Float, step_s: float) -> Bending
 
     Parameters
     ----------
-    hinge : Hinge
     q_upper, q_lower : ndarray, shape (N, 4)
         Segments in one frame, NaN where unknown.
     step_s : float
@@ -176,7 +171,6 @@ def raised(side: Side, q_trunk: Float, q_upper: Float, step_s: float) -> Raising
 
     Parameters
     ----------
-    side : Side
     q_trunk, q_upper : ndarray, shape (N, 4)
         Segments in one frame, z up, NaN where unknown.
     step_s : float

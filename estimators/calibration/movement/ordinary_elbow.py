@@ -83,7 +83,6 @@ def elbow_from_movement(
 
     Parameters
     ----------
-    side : Side
     q_upper, q_forearm : ndarray, shape (K, 4)
         Segments in the room under the calibration of a standing pose.
     time_s : ndarray, shape (K,)

@@ -110,7 +110,6 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float, p
         Specific force, in any unit.
     field : ndarray, shape (N, 3), or None
         Magnetic field, in any unit.
-    time_step_s : float
     pace : float
         Found in what came before.
 

@@ -83,7 +83,6 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
 
     Parameters
     ----------
-    evidence : Evidence
     fastest_radps : float
         What the gyroscope reads in the fastest moments: a limb turns neither at a thousandth of a radian a second nor
         at a hundred, and where the readings are ordinary a wrong unit is unlikely.

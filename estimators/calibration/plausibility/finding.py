@@ -86,7 +86,6 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
 
     Parameters
     ----------
-    findings : sequence of Finding
     most : int
         Kinds to tell; the rest is counted.
     """

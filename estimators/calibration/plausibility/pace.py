@@ -56,8 +56,6 @@ def pace_of(gravity: Moved, earth: Moved, step_s: float, as_they_are: Float) -> 
 
     Parameters
     ----------
-    gravity, earth : Moved
-    step_s : float
     as_they_are : ndarray, shape (2,)
         What readings leave of gravity and field as they are.
     """

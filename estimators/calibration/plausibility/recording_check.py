@@ -150,10 +150,6 @@ def check_recording(
     names : sequence of str, length S
     hemisphere : {"north", "south", "unknown"}
 
-    Returns
-    -------
-    tuple of Finding
-
     Raises
     ------
     ShapeError

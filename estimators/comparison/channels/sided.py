@@ -82,7 +82,6 @@ def side_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> Sid
 
     Parameters
     ----------
-    source : Trajectory
     side : {"left", "right"}
     size_ratio : float
         Reach of the person to compare with divided by the reach of the person measured.

@@ -48,10 +48,8 @@ def write_findings(
 
     Parameters
     ----------
-    results : sequence of RepetitionResult
     summary : tuple of Measure
         Mean, spread and count over the retained repetitions.
-    template : Template
 
     Returns
     -------

@@ -23,7 +23,6 @@ class Outside:
 
     Attributes
     ----------
-    channel : str
     count, of : int
         Repetitions in which it is red, and all that count.
     start, end : int
@@ -55,7 +54,6 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
     ----------
     retained : sequence of RepetitionResult
         Those that count.
-    template : Template
 
     Returns
     -------

@@ -41,7 +41,6 @@ def interjoint_coordination(
     Parameters
     ----------
     first_rad, second_rad : ndarray, shape (N,)
-    rate_hz : float
     floor_rad : float
         Range below which a joint does not take part.
 
@@ -68,13 +67,8 @@ def interjoint_coordinations(
     ----------
     first_rad, second_rad : ndarray, shape (S, N)
         A pair a row.
-    rate_hz : float
     floor_rad : float
         As of `interjoint_coordination`.
-
-    Returns
-    -------
-    list of Coordination or None
     """
     samples = first_rad.shape[1]
     if samples < 8:
@@ -156,10 +150,6 @@ def multiple_correlation(curves: Float) -> MultipleCorrelation:
     ----------
     curves : ndarray, shape (N, F)
         At least two, without gaps.
-
-    Returns
-    -------
-    MultipleCorrelation
 
     Raises
     ------

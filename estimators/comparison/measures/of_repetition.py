@@ -38,7 +38,6 @@ def stroke_measures(
         Of the whole repetition, m/s or rad/s.
     path : ndarray, shape (N, D)
         Of the hand in m, or the turning angle in rad, D = 1, at the same ticks.
-    rate_hz : float
     unit_rise : float
         Smallest rise of speed that is a push, in the unit of the speed: a stroke slower than that is none.
     stroke : slice
@@ -131,8 +130,6 @@ def units_measure(
     Parameters
     ----------
     path_m : ndarray, shape (N, 3)
-    rate_hz : float
-    reach_m : float
     count_sigma : float
         Standard deviation of the number of units.
     sigma_m : float
@@ -157,7 +154,6 @@ def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: 
     side : {"left", "right"}
     stroke : slice
         From `outward_stroke`.
-    rate_hz : float
 
     Returns
     -------

@@ -22,7 +22,6 @@ def likeness_measures(curves: Sequence[Float], channels: tuple[str, ...], primar
     ----------
     curves : sequence of ndarray, shape (101, C)
         The repetitions that count, each over its own phase.
-    channels : tuple of str
     primary : str
         Main channel of the exercise; it comes first.
 

@@ -42,10 +42,6 @@ def superimpose(path: Float, onto: Float) -> Superposition:
     path, onto : ndarray, shape (N, 3)
         At the same phases, without gaps.
 
-    Returns
-    -------
-    Superposition
-
     Raises
     ------
     ShapeError

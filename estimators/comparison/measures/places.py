@@ -19,7 +19,6 @@ def place_sigma(frames: Frames, segment_sigma_rad: Float) -> Float:
 
     Parameters
     ----------
-    frames : Frames
     segment_sigma_rad : ndarray, shape (K, G, 3)
         Of each segment's orientation about the room axes, with what its mounting leaves open.
 

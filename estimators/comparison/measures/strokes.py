@@ -22,7 +22,6 @@ def outward_stroke(path_m: Float, rate_hz: float) -> slice:
     Parameters
     ----------
     path_m : ndarray, shape (N, D)
-    rate_hz : float
 
     Returns
     -------
@@ -45,7 +44,6 @@ def log_dimensionless_jerk(velocity: Float, rate_hz: float, cut_off_hz: float | 
     ----------
     velocity : ndarray, shape (N,) or (N, D)
         Of one stroke, any unit; v_p is the largest speed, D the duration.
-    rate_hz : float
     cut_off_hz : float, optional
         Of a low pass of second order, forwards and backwards; None leaves the stroke as it is.
 
@@ -77,7 +75,6 @@ def log_dimensionless_jerks(velocities: Float, rate_hz: float) -> Float:
     Parameters
     ----------
     velocities : ndarray, shape (S, N, D)
-    rate_hz : float
 
     Returns
     -------
@@ -101,7 +98,6 @@ def units_per_metre(path_m: Float, rate_hz: float, reach_m: float) -> float:
     Parameters
     ----------
     path_m : ndarray, shape (N, D)
-    rate_hz : float
     reach_m : float
         Upper arm plus forearm.
 

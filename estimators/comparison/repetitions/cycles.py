@@ -72,7 +72,6 @@ def explain(path: Path, explaining: Explaining) -> list[Explanation]:
 
     Parameters
     ----------
-    path : Path
     explaining : callable
         From `explaining_once`.
     """

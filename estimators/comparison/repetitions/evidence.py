@@ -55,10 +55,8 @@ def evidence(one: Explanation, stays: NDArray[np.int64], path: Path, step_s: flo
 
     Parameters
     ----------
-    one : Explanation
     stays : ndarray of int, shape (K, 2, 2)
         From `home.at_home`.
-    path : Path
     step_s : float
         Between samples.
     """
@@ -87,8 +85,6 @@ def rested_at_the_ends(stays: NDArray[np.int64], path: Path, step_s: float) -> l
     ----------
     stays : ndarray of int, shape (K, 2, 2)
         From `home.at_home`. A hold inside a repetition has a part of one on either side.
-    path : Path
-    step_s : float
     """
     place = np.append(path.place, path.last)
     rested = []

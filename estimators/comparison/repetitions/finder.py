@@ -39,7 +39,6 @@ def find_repetitions(
 
     Parameters
     ----------
-    source : Trajectory
     side : {"left", "right"}
         The side that exercised: its arm or leg, with the trunk.
     start_s, end_s : float, optional

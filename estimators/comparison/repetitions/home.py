@@ -50,7 +50,6 @@ def most_likely(
     ----------
     found : list of Explanation
         The best first.
-    path : Path
     step_s : float
         Between samples.
     explaining : callable
@@ -128,11 +127,6 @@ def _cut_at(path: Path, first: int, length: int) -> list[tuple[int, int]]:
 
 def with_tries(one: Explanation, path: Path) -> Explanation:
     """Add what leaves home and comes back between two repetitions without resembling them.
-
-    Parameters
-    ----------
-    one : Explanation
-    path : Path
 
     Notes
     -----
@@ -225,11 +219,6 @@ def _tries(path: Path, first: int, last: int, size: float, are_many: bool) -> li
 
 def at_home(one: Explanation, path: Path) -> NDArray[np.int64]:
     """Return the stays at home between which each repetition lies.
-
-    Parameters
-    ----------
-    one : Explanation
-    path : Path
 
     Returns
     -------

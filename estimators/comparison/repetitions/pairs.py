@@ -39,7 +39,6 @@ def in_pairs(found: list[Explanation], path: Path) -> Explanation:
     ----------
     found : list of Explanation
         The best first.
-    path : Path
     """
     best = found[0]
     if not _take_turns(best, path):

@@ -71,7 +71,6 @@ def smoothed(values: Float, step_s: float) -> tuple[Float, float]:
     ----------
     values : ndarray, shape (N, D)
         Without gaps.
-    step_s : float
 
     Returns
     -------
@@ -105,7 +104,6 @@ def path_of(values: Float, step_s: float) -> Path | None:
     Parameters
     ----------
     values : ndarray, shape (N, D)
-    step_s : float
     """
     speed = np.linalg.norm(np.diff(values, axis=0), axis=1)
     if speed.sum() <= 0:

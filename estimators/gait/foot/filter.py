@@ -54,7 +54,6 @@ def start_covariance(start_statistic: float, parameters: FootParameters) -> Floa
     ----------
     start_statistic : float
         Mean of T over the first 0.1 s: how far the foot is from resting.
-    parameters : FootParameters
     """
     slope, least, most = _START_TILT
     tilt = min(max(slope * start_statistic, least), most)

@@ -50,11 +50,6 @@ class FilledSignals:
 def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     """Fill the holes between samples; samples that are not finite are holes.
 
-    Parameters
-    ----------
-    signals : SensorSignals
-    rate_hz : float
-
     Raises
     ------
     ShapeError

@@ -72,8 +72,6 @@ def begin_anew(
         Mean specific force of the first moment after the gap.
     statistic : float
         Mean of T there.
-    gap_s : float
-    parameters : FootParameters
 
     Returns
     -------
@@ -105,8 +103,6 @@ class LostPlace:
 
     Parameters
     ----------
-    rate_hz : float
-    parameters : FootParameters
     memory : ndarray, shape (MEMORY,), optional
         Carried on in place.
     """

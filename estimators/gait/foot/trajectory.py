@@ -70,7 +70,6 @@ class FootTrajectory:
         From the contact point to the sensor, sensor axes; means something in stance only.
     position_sigma_m, attitude_sigma_rad : ndarray, shape (N, 3)
         One sigma with what was known up to the sample; along x, y, z and about them.
-    stance : Stance
     flags : ndarray of uint8, shape (N,)
         `FootFlag` bits.
     """
@@ -104,7 +103,6 @@ def smooth(
     ----------
     signals : SensorSignals
         Real time stamps, even or not. Holes, and samples that are not finite, are filled in and flagged.
-    parameters : FootParameters, optional
     passes : int
         The second pass starts from what the first found out about the first sample, which matters when a record
         starts in the middle of a stride.

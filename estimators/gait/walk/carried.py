@@ -18,10 +18,6 @@ _PAIRS: Final[tuple[tuple[Side, Side], ...]] = (("left", "right"), ("right", "le
 def carried_foot(feet: Mapping[Side, Strides]) -> Side | None:
     """Return the foot that did not stand while the other walked; None where both did, or with one foot.
 
-    Parameters
-    ----------
-    feet : mapping of Side to Strides
-
     Notes
     -----
     Own. Between crutches one foot is in the air: it moves for long without standing while the other makes strides,
@@ -43,12 +39,7 @@ def carried_foot(feet: Mapping[Side, Strides]) -> Side | None:
 
 
 def without_carried(feet: Mapping[Side, Strides]) -> dict[Side, Strides]:
-    """Return both feet, the strides of a carried one marked as none.
-
-    Parameters
-    ----------
-    feet : mapping of Side to Strides
-    """
+    """Return both feet, the strides of a carried one marked as none."""
     found, side = dict(feet), carried_foot(feet)
     if side is not None:
         foot = found[side]

@@ -59,7 +59,6 @@ class Measure:
         Standard deviation over strides (ddof 1); NaN below 3 strides.
     count : int
         Strides.
-    unit : str
     shared : float
         One sigma of what is the same in every stride: events found late alike, foot axes, the feet's distance.
     """
@@ -81,7 +80,6 @@ def measure(
     ----------
     values : ndarray, shape (n,)
         NaN where it is not known.
-    unit : str
     sigma : float or ndarray, shape (n,)
         Of each value by itself.
     shared : float

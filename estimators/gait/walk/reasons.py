@@ -27,7 +27,6 @@ def walk_reasons(
 
     Parameters
     ----------
-    feet : mapping of Side to Strides
     counted, turning : mapping of Side to ndarray of bool, shape (n,)
         Strides that are averaged, and continuous ones along turns.
     toe_out : mapping of Side to Measure

@@ -62,7 +62,6 @@ def swing_of(
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     rests : list of (int, int)
     holds : Footholds
         Of these rests.
@@ -70,7 +69,6 @@ def swing_of(
         Number of the rest before the swing.
     derived : tuple of ndarray
         See `derivatives`.
-    side : Side
     is_backward : bool
         The foot went heel first: its events are those of the same movement played backward in time, which is a
         forward step.
@@ -138,7 +136,6 @@ def went_backward(trajectory: FootTrajectory, rests: list[tuple[int, int]], hold
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     rests : list of (int, int)
     holds : Footholds
         With headings toward where the foot went.

@@ -19,7 +19,6 @@ def trembles(trajectory: FootTrajectory, rate_radps: Float, toe_off_s: Float, co
 
     Parameters
     ----------
-    trajectory : FootTrajectory
     rate_radps : ndarray, shape (N, 3)
         Angular rate in the world.
     toe_off_s, contact_s : ndarray, shape (n,)

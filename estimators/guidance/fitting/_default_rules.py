@@ -53,7 +53,6 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
 
     Parameters
     ----------
-    ready : GuidanceTemplate
     valid_share : float
         q of (9): who counts from a smaller share on hears of range from a smaller one.
 

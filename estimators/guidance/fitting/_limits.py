@@ -17,12 +17,7 @@ _ROUND_M: Final = 0.01
 
 
 def least_room(channel: str) -> float:
-    """Return how far a limit must lie beyond what is allowed, rad or m: a rule stops two sigma before its limit.
-
-    Parameters
-    ----------
-    channel : str
-    """
+    """Return how far a limit must lie beyond what is allowed, rad or m: a rule stops two sigma before its limit."""
     return _SIGMAS * (UNKNOWN_M if channel_unit(channel) == "m" else UNKNOWN_RAD)
 
 
@@ -57,7 +52,6 @@ def proposed_limit(channel: str, side: str, values: Float) -> float:
 
     Parameters
     ----------
-    channel : str
     side : {"below", "above"}
     values : ndarray
         Curves of the channel, rad or m.

@@ -28,13 +28,8 @@ class Following:
 
     Parameters
     ----------
-    ready : GuidanceTemplate
-    tick_s : float
-    valid_share : float
-    rules : sequence of CueRule, optional
     stops : sequence of StopRule
         Those of a session count no repetitions.
-    pace : CuePace, optional
     """
 
     def __init__(

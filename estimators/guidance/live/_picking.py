@@ -122,12 +122,7 @@ def _pick(
 
 
 class Picking:
-    """Picks what `Guide.feed` takes out of the frames of a session, packet by packet.
-
-    Parameters
-    ----------
-    ready : GuidanceTemplate
-    """
+    """Picks what `Guide.feed` takes out of the frames of a session, packet by packet."""
 
     def __init__(self, ready: GuidanceTemplate) -> None:
         self._ready = ready

@@ -16,13 +16,7 @@ PATIENCE_S: Final = 6.0
 
 
 class Settling:
-    """Waits for a second of rest.
-
-    Parameters
-    ----------
-    ready : GuidanceTemplate
-    tick_s : float
-    """
+    """Waits for a second of rest."""
 
     def __init__(self, ready: GuidanceTemplate, tick_s: float) -> None:
         self._steering = [ready.channels.index(name) for name in ready.steering]

@@ -50,8 +50,6 @@ class RelativeChunk(Samples):
 
     Attributes
     ----------
-    first_tick : int
-    time_step_s : float
     gyroscope_radps, accelerometer_mps2, magnetometer_t : ndarray, shape (K, 3)
         Of the sensor; NaN where missing.
     source_gyroscope_radps, source_accelerometer_mps2 : ndarray, shape (K, 3)
@@ -180,8 +178,6 @@ class RelativePoseFilter(ArrayFilter):
 
     Parameters
     ----------
-    source : Source
-    time_step_s : float
     parameters : mapping, optional
         Of `RelativePoseParameters`.
     usual_place_m : ndarray, shape (3,), optional

@@ -118,7 +118,6 @@ def smooth_relative_pose(
 
     Parameters
     ----------
-    source : Source
     chunk : RelativeChunk
         The recording, from tick 0, coil states included.
     parameters : mapping, optional

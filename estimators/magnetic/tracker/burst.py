@@ -210,7 +210,6 @@ def locate_moving(
 
     Parameters
     ----------
-    source : Source
     burst : sequence of Pulse
         As `bursts` gathers them, extracted with the attitude of the sensor's gyroscope.
     signals : ModuleSignals
@@ -221,10 +220,6 @@ def locate_moving(
         What is known of that tick: the place chooses the hemisphere, orientation and velocity carry the pulses.
     velocity_covariance : ndarray, shape (3, 3), optional
         In source axes. Pulses may be off by what it allows before the fix is `DISTURBED`; it is not in the covariance.
-
-    Returns
-    -------
-    CarriedFix
     """
     bounds = limits or TrackerLimits()
     spread = pulse_covariance(burst, signals.time_step_s, noise, bounds.gain_sigma)

@@ -64,18 +64,14 @@ def follow_bursts(
 
     Parameters
     ----------
-    source : Source
     gathered : sequence of bursts
         As `bursts` gathers them.
-    signals : ModuleSignals
     chunk : TrackerFusionChunk
         Of the whole recording, from tick 0; its fixes are overwritten.
     parameters : mapping, optional
         Of the filter.
     direction : array_like, shape (3,), optional
         From the source to the sensor, roughly, for the hemisphere of the first burst.
-    noise : BurstNoise, optional
-    limits : TrackerLimits, optional
 
     Returns
     -------

@@ -94,8 +94,6 @@ class TrackerFusionChunk(Samples):
 
     Attributes
     ----------
-    first_tick : int
-    time_step_s : float
     gyroscope_radps, accelerometer_mps2, source_accelerometer_mps2 : ndarray, shape (K, 3)
         NaN where missing.
     q_world_source : ndarray, shape (K, 4)

@@ -67,7 +67,6 @@ class Fix:
         Of the residuals; degrees of freedom are values less six.
     signal_to_noise : float
         Root mean square pulse over its noise.
-    flags : TrackerFlag
     """
 
     position_m: Float
@@ -101,7 +100,6 @@ def locate(
 
     Parameters
     ----------
-    source : Source
     coil : array_like of int, shape (N,)
         N of three or more pulses; the first pulses of coils 0, 1 and 2 seed the search.
     current_a : array_like, shape (N,) or scalar
@@ -122,10 +120,6 @@ def locate(
     start : (array_like, array_like), optional
         Position and `q_source_sensor` that are known roughly: where they lead to pulses that fit, nothing else is
         searched.
-
-    Returns
-    -------
-    Fix
     """
     bounds = limits or TrackerLimits()
     numbers = np.ascontiguousarray(coil, dtype=np.int64)

@@ -47,7 +47,6 @@ class Alignment:
         Of the aligned streams.
     rival : float
         Highest correlation of an offset elsewhere; near `correlation` when the movement repeats itself.
-    overlap_s : float
     signal : str
         `acceleration` (one marker is enough) or `rate` (three markers on one body).
     """

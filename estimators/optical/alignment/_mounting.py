@@ -33,7 +33,6 @@ class Mounting:
     q_room_sensor : ndarray, shape (K, 4)
         Level by gravity, heading by the markers; good to a few degrees, to begin a filter with.
     rate_bias_radps : ndarray, shape (K, 3)
-    heading_sigma_rad : float
     lever_arm_m, lever_arm_sigma_m : ndarray, shape (3,)
         From the accelerometer to the marker, sensor axes.
     explained : float
@@ -73,7 +72,6 @@ class Fit:
 
     Attributes
     ----------
-    heading_rad, heading_sigma_rad : float
     scale, scale_sigma : float
         Length of the file over true length; 1 and 0 when it was held.
     lever_arm_m, lever_arm_sigma_m : ndarray, shape (3,)
@@ -108,7 +106,6 @@ def accelerations(
         Without holes; the first tick is at time zero.
     q_level_sensor : ndarray, shape (K, 4)
         Of `level_attitude`.
-    time_step_s : float
     camera_time_s : ndarray, shape (N,)
         On the clock of the ticks.
     marker_m : ndarray, shape (N, 3)
@@ -249,7 +246,6 @@ def find_mounting(
     ----------
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
         Without holes; the first tick is at time zero.
-    time_step_s : float
     camera_time_s : ndarray, shape (N,)
         On the clock of the ticks.
     marker_m : ndarray, shape (N, 3)

@@ -89,10 +89,6 @@ def smooth(
     constants : sequence of DeviceConstants or None, optional
         From an earlier session, one a sensor.
 
-    Returns
-    -------
-    SmoothedOrientation
-
     Raises
     ------
     ShapeError

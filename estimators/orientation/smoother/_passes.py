@@ -39,7 +39,6 @@ class SensorPasses:
 
     Parameters
     ----------
-    session : SensorSession
     settings : np.void
         Of the kernels.
     prior : ndarray, shape (STATES,)

@@ -25,7 +25,6 @@ class Rests:
     ----------
     facts : ndarray of FACTS, shape (B,)
         Rest and mean raw rate of the blocks.
-    settings : np.void
     """
 
     def __init__(self, facts: NDArray[np.void], settings: np.void) -> None:

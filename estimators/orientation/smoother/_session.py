@@ -39,7 +39,6 @@ class SensorSession:
         Rest, share of the start place and mean raw rate are filled in.
     turn_variance, speed_variance : ndarray, shape (B, 3)
         What gaps add.
-    gravity : float
     """
 
     first: int
@@ -59,12 +58,10 @@ def prepare(
 
     Parameters
     ----------
-    chunk : ImuChunk
     usable : ndarray of bool, shape (K,)
     q_online : ndarray, shape (K, 4)
         Where the online filter had it: it tells the turn through gaps too long to be filled. There it is
         replaced, in place, by that turn at a constant rate.
-    settings : np.void
     """
     block_ticks = int(settings["block_ticks"])
     measured = usable & ((chunk.quality[0] & int(SampleQuality.BRIDGED)) == 0)
@@ -128,7 +125,6 @@ def turn_back(live: OrientationResult, chunk: ImuChunk, usable: NDArray[np.bool_
     ----------
     live : OrientationResult
         Of one sensor, from the online filter; `q_earth_sensor` is changed where it was CONVERGING.
-    chunk : ImuChunk
     usable : ndarray of bool, shape (K,)
     gain : ndarray, shape (3, 3)
         Errors of scale and axes of the gyroscope, as the filter had them in the end.

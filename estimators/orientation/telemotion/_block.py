@@ -118,7 +118,6 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
         innovation left over its variance, and one over this variance: what a backward pass needs.
     index, value : ndarray, shape (3, ENTRIES)
         The first `entries` hold where the row of a measurement is not zero, and what is there.
-    entries : int
 
     Notes
     -----

@@ -35,12 +35,10 @@ def by_movement(
 
     Parameters
     ----------
-    network : BodyNetwork
     chunk : ImuChunk
         As measured, from before the rest on; best up to the newest tick, so that the filter can take over.
     movements : mapping of str to (start, stop)
         Session ticks.
-    assisted : bool
     """
     corrected = network.corrected(chunk)
     ticks = {name: (a - chunk.first_tick, b - chunk.first_tick) for name, (a, b) in movements.items()}
@@ -106,7 +104,6 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
         stand sits still and has the trunk set.
     pose : ImuChunk
         As measured, among the last ticks.
-    placements : sequence of Placement
 
     Raises
     ------

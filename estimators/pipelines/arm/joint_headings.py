@@ -34,13 +34,7 @@ class ConstrainedSegments(NamedTuple):
 
 
 class JointHeadings:
-    """Turns forearms and hands about the vertical so that elbows and wrists keep their rule.
-
-    Parameters
-    ----------
-    placements : sequence of str
-    time_step_s : float
-    """
+    """Turns forearms and hands about the vertical so that elbows and wrists keep their rule."""
 
     def __init__(self, placements: Sequence[str], time_step_s: float) -> None:
         worn = tuple(placements)

@@ -86,7 +86,6 @@ class RelativeTables(NamedTuple):
         Of a source.
     height_m : float
         At which the source is drawn.
-    step_s : float
     level_settings : ndarray of the level filter's SETTINGS, shape (1,)
     """
 

@@ -57,11 +57,9 @@ class BurstAnalysis:
 
     Attributes
     ----------
-    source, sensor : str
     time_s : ndarray, shape (K,)
     bursts : tuple of FollowedBurst
         With the tracker's own fix of each.
-    filtered, smoothed : TrackerFusionResult
     coil_covariance : ndarray, shape (K, 6, 6)
         What the coils' description may be wrong by makes of the pose; on top of the covariances of both results, for
         it lasts. Of the bursts that were used, by line between them.

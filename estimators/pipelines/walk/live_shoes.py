@@ -32,7 +32,6 @@ class LiveShoes:
 
     Parameters
     ----------
-    time_step_s : float
     height_m : float
         Of the centre of mass of the person who stands.
     is_apart_measured : bool
@@ -41,7 +40,6 @@ class LiveShoes:
         How far the forces are always known beyond what is released of the feet.
     delay_ticks : int
         Most ticks between a sample and its release.
-    geometry : ShoeGeometry, optional
     """
 
     version = "1"
@@ -95,7 +93,6 @@ class LiveShoes:
         ----------
         force_n, moment_nm : ndarray or None
             Sensor axes; None where no sensor sent any: missing.
-        ticks : int
         """
         new = self._loads.append(ticks)
         if force_n is None or moment_nm is None:

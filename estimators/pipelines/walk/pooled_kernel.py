@@ -220,9 +220,7 @@ def step_walks(
         As of `Pool.step`.
     is_taken : ndarray of uint8, shape (count,)
         Stretches that are done; set where one is taken here.
-    all_feet : FootRows
     r, tables, work
-    out : Columns
     point_sigma_m : ndarray, shape (T, P, 3)
         Output, beside the columns.
 

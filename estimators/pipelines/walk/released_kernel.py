@@ -199,7 +199,6 @@ def write_feet(values: Float, flags: NDArray[np.uint8], feet: Feet, rows: Float)
     values : ndarray, shape (S, K, COLUMNS)
     flags : ndarray of uint8, shape (S, K)
         As `FootTracker.released` returns them.
-    feet : Feet
     rows : ndarray, shape (K, W)
         Output: orientations, points, scalars, flags, sigmas of attitude, sigmas of points.
     """
@@ -275,7 +274,6 @@ def write_shoes(
     ----------
     loads : ndarray, shape (2, K or more, LOADS)
         Of the ticks released and after them.
-    shoes : Shoes
     """
     stepped = _stepped(values, flags, feet)
     out = np.empty((2, rows.shape[0], shoe.OUT))

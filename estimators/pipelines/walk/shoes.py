@@ -55,11 +55,8 @@ class ShoeWalk:
     Attributes
     ----------
     time_s : ndarray, shape (N,)
-    shoes : dict of Side to ShoeKinetics
-    feet : BothFeet
     mass_kg : float
         As the shoes feel it.
-    centre : MassCentre
     support_s : ndarray, shape (M,)
         Every few samples: when the base of support was looked at.
     margin : StabilityMargin
@@ -199,7 +196,6 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
     ----------
     walk : Walk
         Of the same recording.
-    found : ShoeWalk
 
     Returns
     -------

@@ -29,7 +29,6 @@ def turning_steps(
 
     Parameters
     ----------
-    strides : mapping of Side to Strides
     holds : mapping of Side to Footholds
         Their footholds, or the first of them.
     apart_m : float

@@ -54,8 +54,6 @@ class Walk:
         Both feet on common ticks; segments have x to the toes, room has x along the walk's course.
     trajectories : dict of Side to FootTrajectory
         On the sensors' own stamps, each in its own world.
-    strides : dict of Side to Strides
-    summary : GaitSummary
     steps : dict of str to Measure, or None
         Step width and lengths, where somebody or something tells how far the feet are apart.
     """
@@ -212,7 +210,6 @@ def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:
     ----------
     scalar : ndarray, shape (K, 8)
         Stance and speed are unchanged.
-    strides : Strides
     time_s : ndarray, shape (K,)
         Of the ticks.
     """

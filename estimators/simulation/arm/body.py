@@ -58,14 +58,12 @@ class MovingBody:
 
     Attributes
     ----------
-    body : BodyDimensions
     timeline : Timeline
         Columns are `COORDINATES`, written for an acting right side.
     side : Side
         The acting side; `left` mirrors everything.
     sway_rad : float
         RMS wander of head, pelvis and legs against room or thorax.
-    seed : int
     """
 
     body: BodyDimensions

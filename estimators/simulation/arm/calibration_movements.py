@@ -35,7 +35,6 @@ def calibration_ranges_s(
         Of the session.
     passive : bool
         As for `calibration_exercise`; the rest is then the seated one, not the N-pose.
-    cycles : int
 
     Returns
     -------

@@ -163,7 +163,6 @@ class Performance:
         Columns are `COORDINATES`.
     repetitions_s : ndarray, shape (R, 2)
         From leaving the rest posture to being back in it.
-    end_s : float
     place : ndarray, shape (M,)
         How far in the cycle at each knot of the timeline, in pieces: moves and holds of the exercise by turns, the
         return last. NaN outside repetitions and in those that are another movement.
@@ -291,20 +290,12 @@ def perform(
 
     Parameters
     ----------
-    exercise : Exercise
-    style : MovementStyle
-    schedule : Schedule
     both_arms : bool
         The other arm mirrors the acting one instead of hanging.
     sway_rad : float
         RMS of the slow wander of every coordinate, also during the N-pose.
     n_pose_error_rad : float
         Standard deviation of how far each coordinate is off the exact N-pose.
-    seed : int
-
-    Returns
-    -------
-    Performance
 
     Raises
     ------

@@ -37,12 +37,10 @@ def demonstration_scenario(
     ----------
     patient : str
         `therapist_template`, `mild_stroke` or `moderate_stroke`.
-    exercise : str
     side : Side
         The acting, for a patient the affected, side.
     progress : float
         0 at the first session, 1 at the end of the therapy; sessions in between improve evenly.
-    repetitions : int
     seed : int
         Another seed is another day.
 

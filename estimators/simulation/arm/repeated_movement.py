@@ -138,7 +138,6 @@ def simulate_repetitions(seed: int, family: str) -> RepeatedMovement:
 
     Parameters
     ----------
-    seed : int
     family : str
         Key of the shapes: stops, spline, jump, orbit, swing or effort.
 

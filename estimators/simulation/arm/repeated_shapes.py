@@ -30,7 +30,6 @@ class Shape:
     ----------
     offset : ndarray, shape (400, D)
         Distance from home, evenly in time; both ends are zero. The largest norm is 1.
-    duration_s : float
     holds : tuple of float
         Shares of the cycle at which somebody may stay.
     pace : tuple of float

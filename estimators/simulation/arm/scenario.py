@@ -83,7 +83,6 @@ class ArmScenario:
         of one's own.
     side : Side
         The acting side. The other arm hangs with a small sway, or mirrors it when `both_arms`; the other leg rests.
-    style : MovementStyle
     schedule : Schedule
         N-pose, pauses, number of repetitions or total duration.
     placements : tuple of Placement
@@ -92,7 +91,6 @@ class ArmScenario:
         Where the patient faces: heading of the room's x axis in the earth frame, counter-clockwise from east.
     errors : SensorErrors or str
         A model or the name of a preset: `ideal`, `nominal`, `marzouk_2009`.
-    magnets : tuple of Magnet
     sway_rad, n_pose_error_rad : float
         Wander while standing; how far each joint is off the exact N-pose (standard deviation).
     seed : int
@@ -143,7 +141,6 @@ class ArmTruth:
         Position of the sensors.
     sensor_velocity_mps, sensor_acceleration_mps2 : ndarray, shape (S, K, 3)
         Of the sensors, in the room.
-    facing_rad : float
     """
 
     frames: Frames
@@ -185,10 +182,6 @@ class SimulatedSession:
 
 def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     """Simulate a whole session.
-
-    Parameters
-    ----------
-    scenario : ArmScenario
 
     Returns
     -------

@@ -153,7 +153,6 @@ class Timeline:
         Two equal neighbours are a hold.
     submovement_count : ndarray of int, shape (M - 1,)
         Of each transition.
-    wander : tuple of Sinusoids
     """
 
     knot_s: Float

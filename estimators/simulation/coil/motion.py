@@ -185,7 +185,6 @@ def relative_motion(
     ----------
     movement : str
         Key of `MOVEMENTS`.
-    duration_s : float
     seed : int
         Draws phases, and paths of the random movement.
     pause_s : (float, float), optional

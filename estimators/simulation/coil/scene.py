@@ -33,7 +33,6 @@ class Iron:
 
     Attributes
     ----------
-    sphere : IronSphere
     place_m : callable
         Times (K,) to places (K, 3) in the source frame.
     in_earth_field : bool

@@ -43,10 +43,8 @@ class RigidBody:
 
     Attributes
     ----------
-    mass_kg : float
     centre : Path
         Of its mass, room frame.
-    turn : Turn
     momentum_rate_nm : ndarray, shape (N, 3)
         Rate of its angular momentum about its own centre, `R (I w' + w x I w)`, room frame.
     """
@@ -96,18 +94,10 @@ def move_body(
 
     Parameters
     ----------
-    style : BodyStyle
-    footing : Footing
-    feet : dict of Side to FootMotion
     sole_cop_m : dict of Side to ndarray, shape (N, 3)
         Where each foot is pressed.
-    stride_s : float
     time_s : ndarray, shape (N,)
         Even.
-
-    Returns
-    -------
-    BodyMotion
 
     Notes
     -----

@@ -21,7 +21,6 @@ class Leg:
 
     Attributes
     ----------
-    steps : int
     turn_rad : float
         Over all of them together, counter-clockwise positive.
     rise_m : float
@@ -44,7 +43,6 @@ class Bout:
     ----------
     legs : tuple of Leg
         The first step of a bout is half as long, the last one brings the feet level.
-    stand_after_s : float
     """
 
     legs: tuple[Leg, ...]
@@ -61,7 +59,6 @@ class FootStyle:
         Of the pitch at toe-off and early swing; below one for weak push-off, 0.3 for shuffling.
     landing_pitch_rad : float
         Of the foot at landing, toe down positive: a heel strike is negative, a drop foot lands toe first.
-    toe_out_rad, toe_out_sd_rad : float
     clearance_m : float
         How far the middle of the swing is raised.
     circumduction_m : float
@@ -90,13 +87,10 @@ class WalkStyle:
 
     Attributes
     ----------
-    stride_time_s, stride_length_m, step_width_m : float
     stride_length_sd_m, lateral_sd_m : float
         Of the strides; of each foothold sideways.
-    stride_time_sd_s : float
     standing_left_share : float
         Of the weight on the left foot while standing.
-    feet : dict of Side to FootStyle
     """
 
     stride_time_s: float = 1.15
@@ -127,8 +121,6 @@ class Stance:
         Minus and plus infinity for the first and the last of a recording.
     position_m : ndarray, shape (3,)
         The heel sensor while the foot is flat, less its height: a point of the floor, room frame.
-    yaw_rad : float
-    landing_pitch_rad : float
     rests_from_s, rests_to_s : float
         Standing with weight on both feet; empty when `rests_to_s <= rests_from_s`.
     path_heading_rad : float
@@ -151,13 +143,11 @@ class Footing:
 
     Attributes
     ----------
-    stances : dict of Side to list of Stance
     steps : list of (Side, land_s, heading_rad, floor_m)
         In order of landing; heading of the path and mean height of both feet's floors then.
     shifts : list of (start_s, end_s, share change of the left foot)
     active_s : list of (start_s, end_s)
         From the first lift to the last landing of each bout.
-    end_s : float
     """
 
     stances: dict[Side, list[Stance]]
@@ -180,17 +170,10 @@ def plan(
 
     Parameters
     ----------
-    style : WalkStyle
-    course : tuple of Bout
     first_foot : Side
         Of every bout.
-    stand_before_s : float
     seed : int
         Draws are in the order of steps, sideways counted outward: a mirrored walk has the mirrored draws.
-
-    Returns
-    -------
-    Footing
 
     Raises
     ------

@@ -45,7 +45,6 @@ class FootMotion:
     ----------
     heel, forefoot, shank : Turn
         In the room; the forefoot equals the heel while the foot is straight.
-    heel_sensor, forefoot_sensor, hinge, ankle : Path
     flat, contact : ndarray of bool, shape (N,)
     cop_local_m : ndarray, shape (N,)
         Along the flat sole, from the heel sensor; meaningless in the air.
@@ -72,10 +71,6 @@ class Foot:
 
     Parameters
     ----------
-    side : Side
-    stances : list of Stance
-    style : FootStyle
-    shoe : ShoeGeometry
     stride_s : float
         Nominal stride time, which scales the phases within a stance.
     """

@@ -98,7 +98,6 @@ def gait_preset(name: str, seed: int = 0) -> GaitScenario:
     name : str
         `ankle`, `placement` and `centre_of_mass` are the presets CH2, CH3 and CH4 of the instrumented-shoe
         protocols; `stroke`, `shuffling`, `stairs` and `turns` are ours.
-    seed : int
 
     Raises
     ------

@@ -44,12 +44,6 @@ class GaitScenario:
 
     Attributes
     ----------
-    walk : WalkStyle
-    body : BodyStyle
-    course : tuple of Bout
-    first_foot : Side
-    shoe : ShoeGeometry
-    stand_before_s : float
     rate_hz : float
         Of the sensors. Motion and forces are computed at a multiple of at least 1000 Hz.
     anti_alias : bool
@@ -58,11 +52,8 @@ class GaitScenario:
         A model or the name of one: `ideal`, `shoe_nominal`, `shoe_stress`.
     facing_rad : float
         Heading of the room's x axis, the first direction of walking, in the earth frame.
-    earth_field : EarthField
-    has_magnetometer, has_load_cells : bool
     mounting_sd_rad : float
         Random turn of every sensor against its segment.
-    seed : int
     """
 
     walk: WalkStyle = field(default_factory=WalkStyle)
@@ -100,10 +91,6 @@ class SimulatedWalk:
 
 def simulate_gait(scenario: GaitScenario) -> SimulatedWalk:
     """Simulate a whole walk.
-
-    Parameters
-    ----------
-    scenario : GaitScenario
 
     Returns
     -------

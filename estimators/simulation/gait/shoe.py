@@ -24,7 +24,6 @@ class LoadCellErrors:
         Relative, one for all six channels of a sensor.
     cross_talk_sd : float
         Relative, force to force and moment to moment.
-    force_to_moment_sd_m : float
     force_offset_sd_n, moment_offset_sd_nm : float
         Drawn once a sensor: what taring takes out.
     force_drift_n_per_s : float
@@ -60,14 +59,7 @@ class LoadCellErrors:
 
 @dataclass(frozen=True)
 class ShoeErrors:
-    """Errors of the sensors of a shoe.
-
-    Attributes
-    ----------
-    inertial : SensorErrors
-    load : LoadCellErrors
-    source : str
-    """
+    """Errors of the sensors of a shoe."""
 
     inertial: SensorErrors
     load: LoadCellErrors

@@ -24,7 +24,6 @@ class FootTruth:
     ----------
     heel, forefoot, shank : Turn
         `q_room_segment` with rate and acceleration in room axes.
-    heel_sensor, forefoot_sensor, hinge, ankle : Path
     is_contact, is_flat : ndarray of bool, shape (K,)
     force_n, cop_m, free_moment_nm : ndarray, shape (K, 3), (K, 3), (K,)
         Of the ground on the foot; NaN for `cop_m` without load. The free moment is about the vertical.
@@ -75,12 +74,10 @@ class GaitTruth:
     Attributes
     ----------
     time_s : ndarray, shape (K,)
-    feet : dict of Side to FootTruth
     com : Path
         Centre of mass of the whole body.
     momentum_rate_nm : ndarray, shape (K, 3)
         Rate of the angular momentum about the centre of mass.
-    mass_kg : float
     pelvis, trunk : (Turn, Path)
         Orientation and centre.
     step_side, step_land_s
@@ -88,7 +85,6 @@ class GaitTruth:
     active_s : ndarray, shape (B, 2)
         From first lift to last landing of each bout.
     q_segment_sensor : dict of str to ndarray, shape (4,)
-    facing_rad : float
     """
 
     time_s: Float

@@ -61,7 +61,6 @@ class TimeGuess:
 
     Attributes
     ----------
-    column : str or None
     unit : str
         Of `CsvMapping.time_unit`.
     rate_hz : float or None
@@ -95,8 +94,6 @@ def guess_time(head: TableHead, body: Body, signals: set[str], rate_hz: float | 
 
     Parameters
     ----------
-    head : TableHead
-    body : Body
     signals : set of str
         Columns of signals: none of them is a clock.
     rate_hz : float, optional
@@ -146,8 +143,6 @@ def own_clocks(
 
     Parameters
     ----------
-    head : TableHead
-    body : Body
     signals : list of tuple of str
         Device and quantity of each.
     columns : set of str

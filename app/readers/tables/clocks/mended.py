@@ -69,7 +69,6 @@ def mended(column: Float, factor: float, values: Float | None = None) -> MendedT
     ----------
     column : ndarray, shape (N,)
         As written, in units of `factor` seconds; NaN where a row has no time.
-    factor : float
     values : ndarray, shape (N, C), optional
         What else the rows hold: tells rows that were written twice from samples that share a stamp.
 

@@ -40,10 +40,6 @@ def is_clock(text: str) -> bool:
 def seconds_of_clock(column: Sequence[str | None]) -> tuple[Float, tuple[Sentence, ...]]:
     """Return times as text in seconds from the first day of the column.
 
-    Parameters
-    ----------
-    column : sequence of str or None
-
     Returns
     -------
     seconds : ndarray, shape (N,)

@@ -24,8 +24,6 @@ def read_csv(path: Path, mapping: CsvMapping, tables: "Tables | None" = None) ->
 
     Parameters
     ----------
-    path : Path
-    mapping : CsvMapping
     tables : Tables, optional
         Several tables of one recording, of which the file is a zip.
 

@@ -76,11 +76,6 @@ def checked_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
 def columns_of(mapping: CsvMapping, head: TableHead) -> tuple[list[str], set[str]]:
     """Return the columns that a mapping needs, each once, and those of them that are read as they are written.
 
-    Parameters
-    ----------
-    mapping : CsvMapping
-    head : TableHead
-
     Raises
     ------
     RecordingFormatError
@@ -101,8 +96,6 @@ def with_times(mapping: CsvMapping, table: dict[str, Any], text: set[str]) -> li
 
     Parameters
     ----------
-    mapping : CsvMapping
-    table : dict of str to ndarray
     text : set of str
         Columns as they are written, of `columns_of`.
     """

@@ -31,10 +31,8 @@ class TableSensors:
 
     Parameters
     ----------
-    mapping : CsvMapping
     table : dict of str to ndarray, shape (T,)
         What it needs, with times in numbers; see `with_times`.
-    head : TableHead
 
     Raises
     ------

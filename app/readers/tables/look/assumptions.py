@@ -24,10 +24,8 @@ def assumed(
 
     Parameters
     ----------
-    head : TableHead
     guess : Guess
         Of the same table; what a person has changed since is no longer said.
-    mapping : GuessedMapping
     hemisphere : {"north", "south", "unknown"} or None
         Where it is taken to be recorded; None: somebody else decides it.
     """
@@ -78,7 +76,6 @@ def missing(guess: Guess, mapping: GuessedMapping) -> tuple[Sentence, ...]:
 
     Parameters
     ----------
-    guess : Guess
     mapping : GuessedMapping
         As a person has completed it.
     """

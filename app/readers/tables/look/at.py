@@ -51,7 +51,6 @@ class Look:
 
     Attributes
     ----------
-    sensors : tuple of SensorLook
     assumed : tuple of Sentence
         What was assumed or left out.
     missing : tuple of Sentence

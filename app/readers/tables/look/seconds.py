@@ -42,13 +42,7 @@ class FirstSeconds:
 
 
 def first_seconds(head: TableHead, mapping: CsvMapping) -> FirstSeconds:
-    """Read the beginning of a table.
-
-    Parameters
-    ----------
-    head : TableHead
-    mapping : CsvMapping
-    """
+    """Read the beginning of a table."""
     try:
         by_place = checked_mapping(mapping)
         table = _table(head, mapping)

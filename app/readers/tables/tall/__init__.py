@@ -55,8 +55,6 @@ class Tall:
         As it is written.
     names : tuple of str
         Columns that say what a value is of.
-    value : str
-    clock : str or None
     order : str
         `stamps`: values of a sample share a stamp; `turns`: they follow each other in one order; `blocks`: one signal
         stands below the other.
@@ -97,8 +95,6 @@ class Tall:
 
         Parameters
         ----------
-        path : Path
-        wanted : list of str
         text : collection of str
             Those that are read as they are written.
         """
@@ -128,12 +124,7 @@ class Tall:
 
 
 def tall_of(head: TableHead) -> Tall | None:
-    """Return how a table with one value a row is read; None for any other table.
-
-    Parameters
-    ----------
-    head : TableHead
-    """
+    """Return how a table with one value a row is read; None for any other table."""
     if any(named(column, letters=True) is not None for column in head.columns):
         return None
     bodies = bodies_of(head, MOST_ROWS)
@@ -172,7 +163,6 @@ def of_tall(tall: Tall, guess: Guess) -> Guess:
 
     Parameters
     ----------
-    tall : Tall
     guess : Guess
         Of its `wide`.
     """

@@ -63,7 +63,6 @@ def places(
     signal : ndarray of int, shape (N,)
         By its place in a sample.
     stamps : ndarray, shape (N,), or None
-    order : str
     quantity : ndarray of int, shape (S,)
         Of each signal of which sensor's quantity it is an axis.
     """

@@ -83,13 +83,10 @@ def with_devices(
 
     Parameters
     ----------
-    head : TableHead
     bodies : sequence of Body
         Rows that follow each other, each.
     said : list of str
         Columns that say quantity and axis.
-    clock : TimeGuess
-    value, unit : str or None
 
     Notes
     -----

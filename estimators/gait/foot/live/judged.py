@@ -29,9 +29,6 @@ class JudgedSamples:
 
     Parameters
     ----------
-    rate_hz : float
-    parameters : FootParameters
-    windows : Windows
     rows : FootRows
         Hold everything; compiled code may judge the next ticks as well.
     number : int

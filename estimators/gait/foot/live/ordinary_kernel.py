@@ -95,7 +95,6 @@ def take(
 
     Parameters
     ----------
-    rows : FootRows
     first : int
         Row of the first of S feet.
     gyroscope, force : ndarray, shape (S, K, 3)
@@ -343,11 +342,8 @@ def release(
 
     Parameters
     ----------
-    rows : FootRows
     first : int
         Row of the first of S feet.
-    sizes : Sizes
-    step_s : float
     coast : float
         Ticks after a stance from which on none is believed to be near.
     scales : ndarray, shape (2,)

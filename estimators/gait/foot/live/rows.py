@@ -147,8 +147,6 @@ def foot_rows(feet: int, sizes: Sizes, zeros: Callable[..., NDArray[Any]] = np.z
 
     Parameters
     ----------
-    feet : int
-    sizes : Sizes
     zeros : callable(shape, dtype=...), optional
         Makes the arrays.
     """

@@ -22,9 +22,6 @@ class FootSamples:
 
     Parameters
     ----------
-    rate_hz : float
-    parameters : FootParameters
-    windows : Windows
     rows : FootRows
         Hold everything; compiled code may take the next samples as well.
     number : int

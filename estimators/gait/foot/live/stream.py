@@ -34,10 +34,6 @@ class FootStream:
 
     Parameters
     ----------
-    rate_hz : float
-    parameters : FootParameters
-    windows : Windows
-    sizes : Sizes
     rows : FootRows
         Hold everything; `ordinary_kernel` may go on as well where nothing is missing.
     number : int
@@ -272,7 +268,6 @@ class FootStream:
 
         Parameters
         ----------
-        first : int
         values : ndarray, shape (K, COLUMNS)
         flags : ndarray of uint8, shape (K,)
         """

@@ -40,8 +40,6 @@ class FootChunk:
 
     Attributes
     ----------
-    first_tick : int
-    time_step_s : float
     position_m, velocity_mps : ndarray, shape (S, K, 3)
         Of the sensor; world of each sensor with z up, origin and heading of its first sample.
     q_world_sensor : ndarray, shape (S, K, 4)
@@ -81,12 +79,6 @@ class FootTracker:
     The same samples give the same result, bit for bit, one by one, in uneven chunks, in one batch, or across
     `state` and `restore`. What comes back is up to `delay_ticks` old: a stance is known only when the foot's lowest
     unrest of the next half second is, and impacts are understood only after them.
-
-    Parameters
-    ----------
-    sensor_count : int
-    time_step_s : float
-    parameters : mapping or FootParameters, optional
 
     Notes
     -----

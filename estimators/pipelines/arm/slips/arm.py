@@ -33,13 +33,7 @@ class Lever:
 
 
 class Chain:
-    """A stretch of movement of trunk and arms.
-
-    Parameters
-    ----------
-    motion : Motion
-    body : BodyDimensions
-    """
+    """A stretch of movement of trunk and arms."""
 
     def __init__(self, motion: Motion, body: BodyDimensions) -> None:
         self.motion, self._body = motion, body

@@ -26,7 +26,6 @@ class Link:
 
     Attributes
     ----------
-    name : Placement
     side : Side or None
         None for the trunk.
     proximal, distal : Placement or None

@@ -49,7 +49,6 @@ def twisted_alone(chain: Chain, link: Link, tick: int, shift: Shift) -> Proof | 
 
     Parameters
     ----------
-    chain : Chain
     link : Link
         A hand, or a segment between two worn ones.
     tick : int
@@ -101,7 +100,6 @@ def jumped(chain: Chain, name: Placement, tick: int, turn_rad: float) -> float:
 
     Parameters
     ----------
-    chain : Chain
     name : Placement
         Of a forearm or a hand, both worn.
     tick : int

@@ -36,7 +36,6 @@ def with_slips(frames: Frames, setup: SessionSetup, slips: Sequence[Slip]) -> Fr
         Of the arm pipeline, any stretch of the session.
     setup : SessionSetup
         Of that pipeline.
-    slips : sequence of Slip
 
     Returns
     -------

@@ -23,7 +23,6 @@ class Motion:
 
     Attributes
     ----------
-    names : tuple of Placement
     time_s : ndarray, shape (K,)
     q_room_segment : ndarray, shape (K, S, 4)
         NaN where a sensor gave nothing, or was at its end.

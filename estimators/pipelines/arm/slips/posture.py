@@ -52,13 +52,7 @@ class Shift:
 
 
 class Postures:
-    """One segment and its neighbours over a stretch, a few times a second.
-
-    Parameters
-    ----------
-    chain : Chain
-    link : Link
-    """
+    """One segment and its neighbours over a stretch, a few times a second."""
 
     def __init__(self, chain: Chain, link: Link) -> None:
         self._stride = max(1, chain.samples(_POSTURE_S))
@@ -73,7 +67,6 @@ class Postures:
 
         Parameters
         ----------
-        moment_s : float
         from_s : float
             What was before is not compared.
 

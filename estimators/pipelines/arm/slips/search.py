@@ -30,7 +30,6 @@ class Slip:
 
     Attributes
     ----------
-    placement : Placement
     time_s : float
         Session time of the middle of the turn.
     turn_rad : (float, float, float)
