@@ -1,4 +1,4 @@
-"""What the service writes to its log: one line when something changes, as text or as JSON, on standard error.
+"""The service's log: one line when something changes, as text or as JSON, on standard error.
 
 Every line has time, level, logger and, where one is served, the request's identifier, which the answer carries too
 (`X-Request-ID`). Lines name routes by their template and things by identifiers that say nothing outside the database.

@@ -1,4 +1,4 @@
-"""What the running service is made of; opened in the lifespan of `app.main`, found by requests here.
+"""The parts of the running service; opened in the lifespan of `app.main`, found by requests here.
 
 Rooms take what they need from `services_of(request)`, by its type; only what opens the service adds to it.
 """

@@ -1,4 +1,4 @@
-"""What a sensor can send, a line a channel: packets, hello, declaration, unpacking and alignment read it here.
+"""The channels of a sensor, a line each: packets, hello, declaration, unpacking and alignment read it here.
 
 Another channel is a bit and a line of `CHANNELS`, its field in `estimators.recording` and its words in
 `app.network.messages`.

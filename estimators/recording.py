@@ -1,4 +1,4 @@
-"""What a body network measured, as arrays.
+"""Measurements of a body network, as arrays.
 
 `ImuChunk` is the unit of the live path: a few ticks of all sensors on one common time base.
 `Recording` is a whole one, with its own time stamps, as a file reader or the store gives it.

@@ -131,7 +131,7 @@ class Samples:
         return found
 
     def _twin(self, values: dict[str, Any]) -> Self:
-        # Of every live packet: `dataclasses.replace` would set each field anew, six times as dear.
+        # Of every live packet: `dataclasses.replace` would set each field again, six times as dear.
         twin = object.__new__(type(self))
         twin.__dict__.update(values)
         return twin

@@ -1,4 +1,4 @@
-"""What a few draws say of all seeds: an estimate with its 95 % interval, and the verdict against a limit.
+"""Judgement of all seeds by a few draws: an estimate with its 95 % interval, and the verdict against a limit.
 
 A limit that the worst of twenty draws just meets is missed by the next twenty. Here a statistic of all seeds is
 estimated (their median, or what nine seeds in ten reach), and a limit is met only when the whole interval meets it.

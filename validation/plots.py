@@ -1,4 +1,4 @@
-"""What protocols draw: error over time and Allan deviation."""
+"""Plots of protocols: error over time and Allan deviation."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""What a published experiment is here: a protocol, its figures, and what we measured beside them."""
+"""A published experiment as a protocol: its figures, and what we measured beside them."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What signing in and changing the own password decide."""
+"""Decisions about signing in and changing one's own password."""
 
 from anyio import to_thread
 

@@ -76,7 +76,7 @@ class AccuracyReport(Schema):
     """A whole run, and what it was run with.
 
     `data` names the recordings that were given. The seeds are `first_seed` and those after it; an experiment that was
-    measured anew by itself names its own.
+    measured again by itself names its own.
     """
 
     format: Literal[2] = 2

@@ -1,4 +1,4 @@
-"""What was practised of what was prescribed: the sessions done this week, and adherence over four weeks.
+"""Practice against prescription: the sessions done this week, and adherence over four weeks.
 
 Prescriptions themselves are the room `exercises`; what of a session is valid is measured once, when it is analysed
 (`app.assessment.practised`). Here they meet. Each session counts once:

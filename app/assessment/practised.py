@@ -1,4 +1,4 @@
-"""What was valid in one session: repetitions that were accepted, and how long the exercise was really done."""
+"""Valid practice in one session: accepted repetitions, and how long the exercise was really done."""
 
 from collections.abc import Iterable
 from typing import Final, NamedTuple

@@ -1,1 +1,1 @@
-"""What the commands of `app.cli` do; may import every room, nothing imports it."""
+"""The commands of `app.cli`; they may import every room, nothing imports them."""

@@ -123,7 +123,7 @@ def imported_for_good() -> Iterator[None]:
 class DrainingServer(uvicorn.Server):
     """Sends who is connected away one after the other when it is asked to stop, where there are others to go to.
 
-    Whoever loses a connection connects again at once, and each costs another edge a moment of work: tickets, rights,
+    A client that loses its connection reconnects at once, and each costs another edge some work: tickets, rights,
     the session's answer. All at once, the last would wait there for all of them, and longer the more there are.
 
     Parameters

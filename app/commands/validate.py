@@ -98,7 +98,7 @@ def _run(
     if processes == 1:
         return validation.run(names, len(seeds), data, first_seed=seeds.start, plots=plots, report=_progress)
     results = []
-    # A worker begins anew: a fork of a process with threads may stand still.
+    # A worker begins again: a fork of a process with threads may stand still.
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
         waiting = [
             [pool.submit(_batch, protocol.name, part) for part in validation.parts_of(protocol, seeds)]

@@ -222,7 +222,7 @@ class _AdvisoryLock(WriterLock):
     def release(self) -> None:
         connection, self._connection = self._connection, None
         if connection is not None:
-            # The server notices a closed connection a moment later: whoever comes next would find it held.
+            # The server notices a closed connection a moment later: the next client would find the lock held.
             with contextlib.suppress(psycopg.Error):
                 connection.execute("SELECT pg_advisory_unlock_all()")
             connection.close()

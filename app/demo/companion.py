@@ -38,7 +38,7 @@ async def for_ever(server: str, perform: Callable[[ServiceClient], Awaitable[Any
     """Sign in and perform again and again, whatever happens.
 
     The service may be stopped and come back, a sign-in ends over night, and somebody may close the session in the
-    browser: each time a new client signs in and begins anew.
+    browser: each time a new client signs in and begins again.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class Rehearsal:
     next_s : tuple of float
         Session times at which a step is ended by hand.
     first_pose : bool
-        Hold the standing pose first: headings can be set anew only after a calibration.
+        Hold the standing pose first: headings can be set again only after a calibration.
     """
 
     recording: Recording

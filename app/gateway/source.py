@@ -76,7 +76,7 @@ class SourceControl:
             self._plan = self._next = None
             self._left = 0
         elif isinstance(message, ActuationPlanMessage):
-            # Numbers begin anew with a service that was restarted.
+            # Numbers begin again with a service that was restarted.
             self._plan, self._last_number = message, 0
             if not message.coils:
                 # The safety confirmation was revoked: nothing goes on, not even the pulse that is on.

@@ -1,4 +1,4 @@
-"""What the client must be able to say in every language: the sentences, and the titles that classes carry.
+"""The words that the client must have in every language: sentences, and the titles that classes carry.
 
 Apart from the catalogue, because it imports every estimator and every reader with their kernels.
 """

@@ -1,4 +1,4 @@
-"""What a gateway's conversation asks of the link under it and of the live side behind it."""
+"""The contract of a gateway's conversation with the link under it and the live side behind it."""
 
 import asyncio
 from collections.abc import MutableMapping

@@ -47,7 +47,7 @@ def upload(context: JobContext) -> str:
 
     Notes
     -----
-    Whoever runs the task removes the file when it has ended for good.
+    The runner of the task removes the file when the task has ended for good.
     """
     declaration = UploadIn.model_validate(context.arguments["declaration"])
     path = file_of(context.settings, context.arguments)

@@ -1,4 +1,4 @@
-"""The bus between the live sessions and whoever watches: bounded, the newest wins, never a wait.
+"""The bus between live sessions and their views: bounded, keeps the newest message, never blocks.
 
 A view that is slow loses the oldest messages of its own queue, counted; nothing it does slows a session or
 another view. Recordings do not go over the bus. `MemoryBus` serves one process; another implementation of
@@ -108,7 +108,7 @@ class Listener(Protocol):
 
 
 class Channel:
-    """One topic: whoever publishes often holds it, and looks at `listeners` before it makes a costly message."""
+    """One topic. A frequent publisher holds it, and reads `listeners` before it builds a costly message."""
 
     __slots__ = ("__weakref__", "_metrics", "listeners", "name")
 

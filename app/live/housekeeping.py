@@ -1,4 +1,4 @@
-"""What is looked at a few times a second: silent links, health, sessions that are to be closed by themselves."""
+"""The look a few times a second at silent links, health, and sessions that are to be closed by themselves."""
 
 import asyncio
 import logging

@@ -269,12 +269,12 @@ class LiveManager(SteeredSide):
                 check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict(say("live.closed"), state=session.state)
-            # Asked anew: the confirmation may have been revoked while the session was being opened.
+            # Asked again: the confirmation may have been revoked while the session was being opened.
             await self.check_source(stored.id)
             return session
 
     def announce(self, session: LiveSession) -> None:
-        """Tell whoever watches already what a session that has come alive looks like."""
+        """Publish the layout of a session that has come alive to the views that are open."""
         self.bus.publish(topic(session.id, "layout"), session.layout())
         if session.guidance is not None:
             # Who watches already has heard nothing of it: the session was not live.

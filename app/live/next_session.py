@@ -1,4 +1,4 @@
-"""What a gateway asks when it is switched on: which session of its patient to join, and the ticket for it."""
+"""The request of a gateway that is switched on: which session of its patient to join, and the ticket for it."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""What the live side reads and writes in the database, with the access decision of every request.
+"""Reads and writes of the live side in the database, with the access decision of every request.
 
 All functions block; the live side calls them in a thread.
 """
@@ -270,7 +270,7 @@ def forget_ended(engine: Engine) -> None:
 def reopen(engine: Engine, session_id: str) -> bool:
     """Let a streamed session that has ended take packets again; False for one that is open, which stays as it is.
 
-    What the analysis has found stays, until the next end has it found anew.
+    What the analysis has found stays, until the next end has it found again.
 
     Raises
     ------

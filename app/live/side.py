@@ -1,4 +1,4 @@
-"""What endpoints and sockets ask of the live side, wherever its sessions are live: here, or on another machine."""
+"""The live side for endpoints and sockets, wherever its sessions are live: here, or on another machine."""
 
 import asyncio
 import time

@@ -1,4 +1,4 @@
-"""What estimation needs is compiled before a session needs it, so that its first packet does not wait for that.
+"""Compilation before a session needs it, so that its first packet does not wait.
 
 A kind of session is warmed up by letting its pipeline run over moments of stillness: `Readiness` does that in threads
 when the service starts, and when somebody opens a session of another kind. What is in no cache yet is compiled by

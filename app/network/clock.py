@@ -258,7 +258,7 @@ class SkewEstimator:
                 self._minima.append((device_s, delay))
 
     def reset(self) -> None:
-        """Forget: the device clock started anew or the stream was resumed."""
+        """Forget: the device clock started again or the stream was resumed."""
         self._minima.clear()
         self._second, self._found = -1, (-math.inf, None)
 
@@ -266,7 +266,7 @@ class SkewEstimator:
     def skew_ppm(self) -> float | None:
         """Server seconds per device second minus one, in 1e-6.
 
-        None before 20 s, and when it is no clock at all: more than 2000 ppm, so not sent in real time. It is found anew
+        None before 20 s, and when it is no clock at all: more than 2000 ppm, so not sent in real time. Found again
         every few seconds; clocks drift slowly.
         """
         if len(self._minima) < 20 or self._minima[-1][0] - self._minima[0][0] < 20.0:

@@ -1,4 +1,4 @@
-"""What a gateway declares in its hello, checked once and stored with the session."""
+"""The declaration in a gateway's hello, checked once and stored with the session."""
 
 import math
 from collections.abc import Mapping

@@ -16,7 +16,7 @@ ROOT: Final = "gateway"
 LIVES_S: Final = 60.0
 """A gateway from which nothing came for so long is taken for gone; one without packets says that it is there."""
 SILENCE_S: Final = 5.0
-"""An edge acknowledges every second: a gateway that hears nothing for so long connects anew."""
+"""An edge acknowledges every second: a gateway that hears nothing for so long connects again."""
 ANSWER_S: Final = 25.0
 """A hello is answered within so long, also while its session moves to another worker."""
 WINDOW: Final = 256

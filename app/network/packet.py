@@ -231,7 +231,7 @@ def encode_packet(
 
 
 def with_flags(data: bytes, flags: int) -> bytes:
-    """Return the packet with other flags and the CRC made anew, e.g. to mark it back-filled."""
+    """Return the packet with other flags and the CRC made again, e.g. to mark it back-filled."""
     head = data[:_FLAGS] + bytes([flags]) + data[_FLAGS + 1 : _CRC]
     payload = data[HEADER_BYTES:]
     return head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload

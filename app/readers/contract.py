@@ -1,4 +1,4 @@
-"""What a reader of one file format is: a class in a module of `app.readers.formats`, named as the format."""
+"""The contract of a reader: a class in a module of `app.readers.formats`, named as the format."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a file is that no reader takes, by its first bytes: a refusal says what to export instead."""
+"""The kind of a file that no reader takes, by its first bytes: a refusal says what to export instead."""
 
 import re
 from typing import Final

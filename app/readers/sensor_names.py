@@ -1,4 +1,4 @@
-"""What a sensor may be called: its name becomes a heading of tables that people open in a spreadsheet."""
+"""Allowed names of sensors: a name becomes a heading of tables that people open in a spreadsheet."""
 
 import re
 from collections.abc import Iterable

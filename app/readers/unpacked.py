@@ -1,4 +1,4 @@
-"""What compressed files from strangers unpack to, before any of it is stored: a few kilobytes can hold gigabytes."""
+"""Limits on what compressed files unpack to, before any of it is stored: a few kilobytes can hold gigabytes."""
 
 import struct
 import zlib

@@ -1,4 +1,4 @@
-"""What the columns of results mean, in the words of `columns.json` and of the metadata of a Parquet file."""
+"""The meaning of columns of results, in the words of `columns.json` and of the metadata of a Parquet file."""
 
 import re
 from typing import Final

@@ -1,4 +1,4 @@
-"""What of a stored result is compared with a template: its channels, and what in them is done over and over."""
+"""The part of a stored result that is compared with a template: channels, and the movement that is repeated."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

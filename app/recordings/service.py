@@ -1,4 +1,4 @@
-"""What can be asked of stored sessions; the edge commits."""
+"""Requests about stored sessions; the edge commits."""
 
 from collections.abc import Iterator
 from dataclasses import fields, replace

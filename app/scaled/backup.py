@@ -98,7 +98,7 @@ def _not_stored(
     for partition, messages in enumerate(streams):
         position = stored.get(partition, 0)
         if messages and messages[-1][0] < position and messages[0][0] == 1:
-            # A stream that was made anew begins at one, and no worker has looked at it yet: all of it is unread.
+            # A stream that was made again begins at one, and no worker has looked at it yet: all of it is unread.
             position = 0
         unread = [msgspec.msgpack.encode(data) for number, data in messages if number > position]
         yield f"{_ENTRY}{partition}", unread

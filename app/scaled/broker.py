@@ -106,7 +106,7 @@ class Broker:
                 if error.err_code != _IN_USE:
                     raise
                 await self.streams.update_stream(config)
-        # What is not answered within half the length of a lease is tried anew, not waited for.
+        # What is not answered within half the length of a lease is tried again, not waited for.
         quick = self.client.jetstream(timeout=max(0.5, self._settings.lease_seconds / 2.0))
         self.leases = await quick.create_key_value(
             KeyValueConfig(bucket=BUCKET, history=1, replicas=self._settings.stream_replicas)

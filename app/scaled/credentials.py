@@ -1,7 +1,7 @@
 """Who a process is for NATS: keys as NATS writes them, and files of credentials.
 
 A key is 32 bytes behind a byte that says whose it is, with a check sum, in base 32: a public one begins with O (an
-operator's), A (an account's) or U (a user's), a private one with S and that letter. Such a file is read anew for each
+operator's), A (an account's) or U (a user's), a private one with S and that letter. Such a file is read again for each
 connection, because credentials that expire are replaced in it.
 """
 

@@ -1,4 +1,4 @@
-"""What the database knows of partitions: who may write for each, and how far its stream is stored."""
+"""Tables of partitions: who may write for each, and how far its stream is stored."""
 
 from datetime import datetime
 

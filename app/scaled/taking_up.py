@@ -1,4 +1,4 @@
-"""What is stored of all sessions of a partition, read together when it is taken: as many statements for ten as for one.
+"""Stored state of all sessions of a partition, read when it is taken: as many statements for ten as for one.
 
 Their holder before can write nothing more by then (`app.scaled.fencing`), and nobody else writes what is read here.
 """

@@ -1,4 +1,4 @@
-"""What edges and workers send each other: subjects, entries of the stream, and messages for views.
+"""Messages between edges and workers: subjects, entries of the stream, and messages for views.
 
 Everything is MessagePack of typed records; a record of an unknown kind is refused. Subjects begin with `telemotion`:
 `in.P` is the stream of partition P, `ask.P` are requests to whoever holds it, `here.P` says what an edge wants of it,

@@ -1,4 +1,4 @@
-"""What a view needs from the database, and who may have it."""
+"""The data of a view in the database, and who may have it."""
 
 from dataclasses import dataclass
 from typing import Literal

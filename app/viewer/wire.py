@@ -1,4 +1,4 @@
-"""What viser and its page say to each other, as far as the relay must understand it.
+"""Messages between viser and its page, as far as the relay must understand them.
 
 Towards the browser a binary message is two u64 (sizes of the packed and the compressed part), zstd-compressed
 msgpack of a batch, then arrays. Towards the server it is one msgpack map with a `type`. Only the camera's

@@ -176,7 +176,7 @@ class JointHeadingConstraint:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew, as after a calibration pose: no offset known beyond the initial sigma."""
+        """Begin again, as after a calibration pose: no offset known beyond the initial sigma."""
         count = len(self.joints)
         self._state = np.zeros((count, STATES))
         self._covariance = np.zeros((count, STATES, STATES))

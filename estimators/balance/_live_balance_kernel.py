@@ -47,7 +47,7 @@ FORCE, COP, MASS, GOING, VELOCITY, SIGMA, MARGIN, SHIFT, WEIGHT, APART_SIGMA, OU
 
 _START2 = (0.05**2, 1.0**2, 0.1**2)
 _SHOWN_S, _FORGOTTEN_S = 0.3, 1.0
-"""Without forces of both feet the centre of mass goes on for so long; later it begins anew."""
+"""Without forces of both feet the centre of mass goes on for so long; later it begins again."""
 _WIDEST_M = 0.05
 _REJOINED2 = 0.15**2
 """Of the shift of the right foot after one was put beside the other, m^2: half a step more or less."""

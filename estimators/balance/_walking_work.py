@@ -1,4 +1,4 @@
-"""What walking costs mechanically: energy of the centre of mass and how much of it is got back."""
+"""The mechanical cost of walking: energy of the centre of mass and how much of it is recovered."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What a calibration finds; below the pipelines, which carry it in their setup."""
+"""The result of a calibration; below the pipelines, which carry it in their setup."""
 
 from dataclasses import dataclass, field
 

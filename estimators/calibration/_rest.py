@@ -1,4 +1,4 @@
-"""What every calibration from a held pose shares: mean orientation, verdict, words."""
+"""Shared steps of every calibration from a held pose: mean orientation, verdict, words."""
 
 import math
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a therapist draws on a template: named phases, and the tolerance of each channel over the phase."""
+"""A therapist's drawing on a template: named phases, and the tolerance of each channel over the phase."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -21,11 +21,11 @@ COVERAGE = 0.90
 FLOOR_LIMB_RAD = 0.087
 FLOOR_TRUNK_RAD = 0.052
 FLOOR_REACH = 0.05
-"""Smallest half width of the band: what putting the sensors on anew and calibrating changes by itself
+"""Smallest half width of the band: what putting the sensors on again and calibrating changes by itself
 (5 degrees in angles of a limb, 3 in trunk lean, 5 percent of the reach in positions)."""
 FLOOR_OF_STRIDE = {"rad": 0.052, "m": 0.01, "m/s": 0.07}
 """The same of a foot that walks. A sensor put on a centimetre further back is lifted and carried along by that much
-more where the foot is upright or turns by 7 rad/s; its tilt is found anew from the walk, within 3 degrees."""
+more where the foot is upright or turns by 7 rad/s; its tilt is found again from the walk, within 3 degrees."""
 _SPREAD_WINDOW = 11
 
 

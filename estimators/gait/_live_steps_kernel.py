@@ -213,7 +213,7 @@ def follow(
     settings : ndarray, shape (SETTINGS,)
     q_world_sensor, position_m : ndarray, shape (F, K, 4) and (F, K, 3)
     bits : ndarray of uint8, shape (F, K)
-        1: the foot stands; 2: nothing is known of it; 4: a right foot; 8: it begins anew after a long gap.
+        1: the foot stands; 2: nothing is known of it; 4: a right foot; 8: it begins again after a long gap.
     feet : ndarray, shape (F, FOOT)
         Memory, changed.
     out : ndarray, shape (K, F, OUT)

@@ -1,4 +1,4 @@
-"""What a tick measures, against the template: whole turns, slopes, and the sums over channels of (1) to (5)."""
+"""Measurement of a tick against the template: whole turns, slopes, and the sums over channels of (1) to (5)."""
 
 import math
 

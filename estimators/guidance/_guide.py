@@ -174,7 +174,7 @@ class Guide:
         self._said.stops["was_fired"][self.stops.index(rule)] = not is_watched
 
     def prompt_rest(self) -> None:
-        """Take the start posture anew from the next second on, as after a pause; an attempt that goes on is dropped."""
+        """Take the start posture again from the next second on, as after a pause; an attempt under way is dropped."""
         self._state["rested"] = 0
         self._state["rest_v"], self._state["rest_v_count"] = 0.0, 0
         self._state["in_attempt"] = 0

@@ -1,4 +1,4 @@
-"""What the compiled guidance reads and writes: settings, memory, the prepared template, one chunk of ticks."""
+"""Records of the compiled guidance: settings, memory, the prepared template, one chunk of ticks."""
 
 from typing import Any, Final, NamedTuple
 

@@ -1,4 +1,4 @@
-"""What stops or pauses an exercise, looked at before any cue and without an estimate in between. Section 6."""
+"""Causes that stop or pause an exercise, looked at before any cue and without an estimate in between. Section 6."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What compiled filters share: records, small linear algebra, and the error-state core that models are written on."""
+"""Shared parts of compiled filters: records, small linear algebra, and the error-state core of models."""
 
 from estimators.kernels._angles import arcsine, direction, turn
 from estimators.kernels._borrowing import borrowing

@@ -1,4 +1,4 @@
-"""What filters of one body have in common outside their loops: parameters with overrides, and a state of arrays."""
+"""Shared parts of filters of one body outside their loops: parameters with overrides, and a state of arrays."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields, replace

@@ -1,7 +1,7 @@
 """The backward step of a fixed-interval smoother (Rauch, Tung and Striebel 1965) on the errors of a filter; compiled.
 
 A model goes through its ticks from the last to the first. At each it predicts state and covariance of the next tick
-anew, writes by which error the smoothed state there differs from the predicted one, and calls `step_back`; what that
+again, writes by which error the smoothed state there differs from the predicted one, and calls `step_back`; what that
 returns in `moved` it injects into its state. So differences are taken where states are no vectors (method page C4,
 2.4), and the covariance is the a priori one, which needs no measurement.
 """

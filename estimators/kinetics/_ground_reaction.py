@@ -1,4 +1,4 @@
-"""What the ground does to a foot, from two load cells under the shoe and the shoe's pose."""
+"""Ground reaction on a foot, from two load cells under the shoe and the shoe's pose."""
 
 from dataclasses import dataclass
 

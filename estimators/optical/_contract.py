@@ -1,4 +1,4 @@
-"""What the fusion of markers with an inertial module takes and gives."""
+"""Input and output of the fusion of markers with an inertial module."""
 
 from dataclasses import dataclass
 from enum import IntEnum

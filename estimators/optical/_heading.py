@@ -1,4 +1,4 @@
-"""What movement tells of a heading, and what only looks like movement (Roetenberg 2006, 4.5; method page V8)."""
+"""Heading from movement, and what only looks like movement (Roetenberg 2006, 4.5; method page V8)."""
 
 import numpy as np
 

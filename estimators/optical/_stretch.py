@@ -1,4 +1,4 @@
-"""What of a recording can be fused: consecutive samples with their markers, how to begin, how well gaps fill."""
+"""Stretches of a recording that can be fused: consecutive samples with markers, how to begin, how well gaps fill."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

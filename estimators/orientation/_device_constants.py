@@ -1,4 +1,4 @@
-"""What a filter learns about a device and not about a session, carried from one session to the next."""
+"""Constants that a filter learns about a device, carried from one session to the next."""
 
 import math
 from collections.abc import Mapping

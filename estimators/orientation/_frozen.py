@@ -75,7 +75,7 @@ def _block(m: Float, rate: Float, force: Float) -> float:
 
 @borrowing("void(float64[::1])", inlined=True)
 def forget(m: Float) -> None:
-    """Begin anew after a sample that is missing; what is usual stays known."""
+    """Begin again after a sample that is missing; what is usual stays known."""
     for i in range(_LAST_RATE, _RUN):
         m[i] = math.nan
     for t in range(3):

@@ -1,4 +1,4 @@
-"""What estimators share whose compiled filter works on records: the call, its arrays, their storage and the checks."""
+"""Shared parts of estimators whose compiled filter works on records: the call, arrays, storage and checks."""
 
 from abc import abstractmethod
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What the filters of Luinge and of Roetenberg share behind the contract."""
+"""Shared parts of the filters of Luinge and of Roetenberg behind the contract."""
 
 import math
 from abc import abstractmethod

@@ -1,4 +1,4 @@
-"""What the filters of Luinge and of Roetenberg do to a sample before and after their own equations.
+"""Steps of the filters of Luinge and of Roetenberg before and after their own equations.
 
 What they read and write, and how a gap is crossed, is also that of other filters. Both work in the product's earth
 frame (x east, y north, z up) with specific force in m/s^2: the papers' global frame, Roetenberg's turned by a quarter

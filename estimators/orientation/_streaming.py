@@ -1,4 +1,4 @@
-"""What all streaming orientation estimators check and count alike."""
+"""Shared checks and counts of all streaming orientation estimators."""
 
 from collections.abc import Mapping
 from typing import Any

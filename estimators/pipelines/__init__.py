@@ -1,4 +1,4 @@
-"""What a session runs: a setup in, frames out; live by `step`, off-line by `run`."""
+"""Pipelines of a session: a setup in, frames out; live by `step`, off-line by `run`."""
 
 from estimators.pipelines._balance import (
     TRUNK,

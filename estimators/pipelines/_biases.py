@@ -1,4 +1,4 @@
-"""What a still moment tells of biases."""
+"""Biases from a still moment."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a session runs: configuration in, frames out.
+"""The contract of a pipeline: configuration in, frames out.
 
 `SessionSetup` says everything that a result depends on besides the samples and is stored with it.
 `Frames` is the one type that live view, dashboards, the store and replay share.
@@ -303,11 +303,11 @@ class Pipeline(ABC):
         raise SetupError(say("calibration.no_joints"))
 
     def reset_heading(self, pose: ImuChunk, placements: Sequence[Placement]) -> Calibration:
-        """Set the headings of some segments anew from an N-pose among the last ticks; the rest stays."""
+        """Set the headings of some segments again from an N-pose among the last ticks; the rest stays."""
         raise SetupError(say("calibration.no_directions"))
 
     def set_devices(self, devices: Mapping[Placement, DeviceCalibration]) -> None:
-        """Take calibrations made in the hand; the filters start anew, and the body must be calibrated again."""
+        """Take calibrations made in the hand; the filters start again, and the body must be calibrated again."""
         raise SetupError(say("calibration.no_devices"))
 
     @property

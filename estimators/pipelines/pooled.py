@@ -155,7 +155,7 @@ def chunk_of(
     carried: Float,
     fields: Mapping[str, slice],
 ) -> ImuChunk:
-    """Return a copy of a stretch's samples as a chunk; pipelines may hold on to it, while the room is written anew.
+    """Return a copy of a stretch's samples as a chunk; pipelines may hold on to it, while the room is written again.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is wrong with a real sensor: error models as plain dataclasses, with named and sourced presets."""
+"""Errors of a real sensor: error models as plain dataclasses, with named and sourced presets."""
 
 from dataclasses import dataclass, replace
 from typing import Final, Literal

@@ -189,3 +189,10 @@ def test_plain_words_are_found(line):
 )
 def test_sentences_are_let_pass(line):
     assert not plain_words(line)
+
+
+def test_a_module_says_what_it_is() -> None:
+    """Its first line is a noun phrase; one that begins with "What" leaves the noun to the reader."""
+    paths = [path for room in ("app", "estimators", "validation") for path in (ROOT / room).rglob("*.py")]
+    asks = [path for path in paths if path.read_text().lstrip().startswith('"""What ')]
+    assert not asks, "CONTRIBUTING.md, Plain English"

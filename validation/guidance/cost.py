@@ -1,4 +1,4 @@
-"""What a tick of a guided session costs, in processor time, on the way that frames take while it streams."""
+"""Processor time of a tick of a guided session, on the way that frames take while it streams."""
 
 import time
 from collections.abc import Callable, Sequence

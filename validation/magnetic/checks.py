@@ -1,4 +1,4 @@
-"""What the page on chapter 6 of Roetenberg asks for and no prototype had run: iron, bursts on demand, attitudes."""
+"""Experiments of the page on chapter 6 of Roetenberg: iron, bursts on demand, attitudes."""
 
 from collections.abc import Sequence
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""What chapter 5 of Roetenberg leaves to be shown of the tracker: range, noise of the distance, iron beside it."""
+"""Experiments of chapter 5 of Roetenberg on the tracker: range, noise of the distance, iron beside it."""
 
 from collections.abc import Sequence
 

@@ -33,7 +33,7 @@ def started_before_movement(recording: Recording, rest_s: float | None) -> Recor
 
 
 def started_at(recording: Recording, first: int) -> Recording:
-    """Leave out all samples before `first`; time begins anew."""
+    """Leave out all samples before `first`; time begins again."""
     name = sensor_name(recording)
     signals = recording.sensors[name]
     field = signals.magnetometer_t

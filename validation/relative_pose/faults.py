@@ -1,4 +1,4 @@
-"""What goes wrong with a source and near it: alarm, flags, and an uncertainty that stays honest."""
+"""Faults of a source and near it: alarm, flags, and an uncertainty that stays honest."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -238,7 +238,7 @@ def _of_budget(run: Run) -> list[float]:
 
 
 def _ten_hours(seeds: Sequence[int], data: Data) -> Values:
-    """Run ten hours with the first seed, a shorter one with each of the others; no filter is started anew."""
+    """Run ten hours with the first seed, a shorter one with each of the others; no filter is started again."""
     from validation.relative_pose.long import long_session
 
     worst, nees, ends = [], [], []

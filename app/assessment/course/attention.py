@@ -1,4 +1,4 @@
-"""What else of a patient's last session asks for attention: too few valid repetitions."""
+"""Reasons to look at a patient's last session: too few valid repetitions."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -1,4 +1,4 @@
-"""What a patient's values are shown beside: the other side of the same patient, and published values."""
+"""References beside a patient's values: the other side of the same patient, and published values."""
 
 import re
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What may be said of how a patient's measures changed: one judgement for progress, caseload, reports and export."""
+"""One judgement of change in a patient's measures, for progress, caseload, reports and export."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What was published of measures: by how much sessions differ, and which change matters; each with its source.
+"""Published variation and important change of measures, each with its source.
 
 Only what was published for the very measure: ranges of motion in an exercise have none.
 """

@@ -25,7 +25,7 @@ from estimators.progress import FEWEST_SESSIONS, NO_PRIOR, Scatter, learn_scatte
 MOST_PATIENTS: Final = 200
 """Those who practised last: more would say the same."""
 _SHARE: Final = 100.0
-"""What took a second to learn is learnt anew after a hundred."""
+"""What took a second to learn is learnt again after a hundred."""
 _SIDE: Final = re.compile("left|right")
 _PUBLISHED_FREEDOM: Final = 10.0
 """For so many sessions counts what was published of other people, with other devices."""

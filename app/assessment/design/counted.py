@@ -1,4 +1,4 @@
-"""What was counted while a session went on: the same afterwards in comparison, practice and reports."""
+"""Counts made while a session goes on: the same afterwards in comparison, practice and reports."""
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session

@@ -1,4 +1,4 @@
-"""What a patient is to do in a session, and in which portions: a prescription's goal and a template's sets."""
+"""A session's dose and its portions: a prescription's goal and a template's sets."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace

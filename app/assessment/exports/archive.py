@@ -1,4 +1,4 @@
-"""What the archive of a patient holds, file by file."""
+"""The files of a patient's archive."""
 
 import json
 import zipfile

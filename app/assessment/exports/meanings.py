@@ -1,4 +1,4 @@
-"""What each measure of a repetition and each number of a stride says, for the dictionaries of the tables."""
+"""Meanings of repetition measures and stride numbers, for the dictionaries of the tables."""
 
 from typing import Final
 

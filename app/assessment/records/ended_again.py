@@ -1,4 +1,4 @@
-"""What was ended for good stays so when an older database comes back: the register applied to what a restore brought.
+"""The register of what was ended for good, applied to an older database that a restore brought back.
 
 The register (`app.database.ended`) names what was erased, revoked and withdrawn after a backup was made. It is applied
 right after a restore, and at every start of the service: a database may also have been put back by hand.

@@ -19,7 +19,7 @@ router = APIRouter(prefix="/api")
 def change_session(
     session_id: str, wanted: SessionPatch, request: Request, session: WriteSession, subject: CurrentAccount
 ) -> SessionDetail:
-    """Move a session to the patient who did it, or to the exercise that it was; it is compared anew.
+    """Move a session to the patient who did it, or to the exercise that it was; it is compared again.
 
     Errors: `conflict` while it is live or being analysed, and where a template of the patient was made from it.
     """

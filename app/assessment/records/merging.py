@@ -1,7 +1,7 @@
 """Two records of one person made one: everything moves into the record that stays, nothing is widened in silence.
 
 Consents: a yes of the other record is not taken over, a no is, for its recordings were made under it. Rights of
-colleagues to the other record stay with it, and give nothing here. Its devices are connected anew, its sign-in goes
+colleagues to the other record stay with it, and give nothing here. Its devices are connected again, its sign-in goes
 with the person unless the record that stays has one. The other record stays in the archive, empty, with its name, and
 goes when the one that stays is erased. A session that does not belong is moved back (`app.assessment.records.moving`).
 """

@@ -1,4 +1,4 @@
-"""A session moved to the right patient or exercise: results stay, comparisons and the day's count are made anew.
+"""A session moved to the right patient or exercise: results stay, comparisons and the day's count are made again.
 
 What one patient's template said about a movement says nothing about another patient's, so comparisons with it go and
 the session is compared again with what was prescribed where it now belongs. Moving it back undoes it.
@@ -84,7 +84,7 @@ def require_rest(session: Session, sessions: list[MotionSession]) -> None:
     """
     busy = [one.state for one in sessions if one.state not in AT_REST]
     ids = [one.id for one in sessions]
-    # A comparison that is under way notices that the session is another one by now, and is made anew.
+    # A comparison that is under way notices that the session is another one by now, and is made again.
     at_work = select(Job.id).where(
         Job.session_id.in_(ids), Job.status.in_(("queued", "running")), Job.kind != "compare"
     )

@@ -33,6 +33,6 @@ class MergeOut(Schema):
     templates: int
     notes: int
     revoked_tokens: int
-    """Devices of the other record: each is connected anew to the one that stays."""
+    """Devices of the other record: each is connected again to the one that stays."""
     withdrawn_consents: list[str]
     """Purposes that the patient had agreed to here and refused in the other record: the refusal holds."""

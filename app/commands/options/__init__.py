@@ -1,1 +1,1 @@
-"""What the commands ask for on the command line."""
+"""Options of the command line."""

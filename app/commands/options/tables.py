@@ -1,4 +1,4 @@
-"""What `telemotion upload` and `telemotion mapping` ask for: files of other devices."""
+"""Options of `telemotion upload` and `telemotion mapping`: files of other devices."""
 
 from datetime import datetime
 from pathlib import Path

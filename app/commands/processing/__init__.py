@@ -1,1 +1,1 @@
-"""What `telemotion process` does with a recording of each kind."""
+"""`telemotion process` for a recording of each kind."""

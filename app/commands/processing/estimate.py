@@ -1,4 +1,4 @@
-"""What `telemotion process` does with a recording that was read: checks, estimates and writes it."""
+"""The steps of `telemotion process` after reading: checks, estimation, output."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What `telemotion process --pipeline gait` writes beside the frames: a table of strides and the walk in numbers."""
+"""Output of `telemotion process --pipeline gait` beside the frames: a table of strides and the walk in numbers."""
 
 import csv
 import json

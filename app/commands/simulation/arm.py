@@ -28,7 +28,7 @@ ANALYSIS_TIMEOUT_S = 300.0
 RETRY_S = 5.0
 READY_WITHIN_S = 3.0
 LOSSY_POSE_S = 40.0
-"""Over a bad link a gap starts the pose anew, so the simulated patient holds it longer."""
+"""Over a bad link a gap starts the pose again, so the simulated patient holds it longer."""
 CATCH_UP_SLACK_S = 0.3
 CATCH_UP_POLL_S = 0.1
 CATCH_UP_POLLS = 20
@@ -248,7 +248,7 @@ async def _simulate(options: Options) -> None:
             except TelemotionError as error:
                 if not options.forever:
                     raise
-                # A sign-in ends after some hours; a stream that runs for days signs in anew.
+                # A sign-in ends after some hours; a stream that runs for days signs in again.
                 signed_out = error.status == 401
                 typer.echo(f"{error.message} Trying again.")
                 round_ += 1

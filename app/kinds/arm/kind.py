@@ -1,4 +1,4 @@
-"""What a session of the arms supplies; see `app.recordings.analysis.kinds`."""
+"""The kind of session that follows the arms; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final

@@ -1,4 +1,4 @@
-"""What the movements of a stored session said of its standing pose, on the time line."""
+"""Events of the time line about a stored session's standing pose, as its movements showed it."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""What a balance test supplies; see `app.recordings.analysis.kinds`."""
+"""The kind of session that tests balance; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,4 +1,4 @@
-"""What a session with a magnetic source supplies; see `app.recordings.analysis.kinds`."""
+"""The kind of session with a magnetic source; see `app.recordings.analysis.kinds`."""
 
 import logging
 from collections.abc import Mapping

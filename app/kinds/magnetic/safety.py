@@ -42,7 +42,7 @@ WARNING: Final = say("magnetic.warning")
 NO_LONGER_CONFIRMED: Final = say("magnetic.withdrawn")
 EXPIRED: Final = say("magnetic.expired")
 NOT_CONFIRMED: Final = say("magnetic.not_confirmed")
-# Asked again and again while a source fires: a statement that is built anew leaves cycles behind.
+# Asked again and again while a source fires: a statement that is built again leaves cycles behind.
 _WORDS: Final = select(SessionEvent).where(
     SessionEvent.session_id == bindparam("session_id"), SessionEvent.kind.in_((EVENT, WITHDRAWN))
 )

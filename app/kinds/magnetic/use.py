@@ -1,4 +1,4 @@
-"""What the source of a stored session did: its pulses, its energy account, and the accuracy that it bought."""
+"""Use of the source in a stored session: its pulses, its energy account, and the accuracy that it bought."""
 
 from typing import Final
 

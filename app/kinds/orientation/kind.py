@@ -1,4 +1,4 @@
-"""What a session of single sensors supplies; see `app.recordings.analysis.kinds`."""
+"""The kind of session that follows single sensors; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final

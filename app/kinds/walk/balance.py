@@ -1,4 +1,4 @@
-"""What is stored of balance: paths of mass and pressure, base of support, and their numbers."""
+"""Stored balance: paths of mass and pressure, base of support, and their numbers."""
 
 from itertools import pairwise
 from typing import Final

@@ -1,4 +1,4 @@
-"""What is followed of a walk over sessions: its measures by a name each, stored with its result."""
+"""Measures of a walk that are followed over sessions, by a name each, stored with its result."""
 
 from app.kinds.walk.schemas import WalkContent
 

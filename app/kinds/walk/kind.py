@@ -1,4 +1,4 @@
-"""What a walk supplies; see `app.recordings.analysis.kinds`."""
+"""The kind of session that follows a walk; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final, cast

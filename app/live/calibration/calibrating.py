@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 TELL_EVERY_S: Final = 0.2
 REVIEW_S: Final = 1.0
-"""How often the progress of sensors in the hand is worked out anew."""
+"""How often the progress of sensors in the hand is worked out again."""
 LINK_PATIENCE_S: Final = 10.0
 """A calibration goes on when the link was away no longer, from the moment in which it was known to be lost."""
 NOT_EVALUATED: Final = say("live.not_evaluated")

@@ -1,4 +1,4 @@
-"""What each kind of calibration collects from the stream, and how it is evaluated in the end.
+"""Collectors of the stream for each kind of calibration, and its evaluation in the end.
 
 A collector sees every aligned chunk on the event loop and says how far the person is; `evaluate` runs in the
 thread of the estimation line, between two steps of the pipeline. Collectors go on collecting until then, so that
@@ -96,7 +96,7 @@ class Collector(ABC):
 
     @property
     def is_delayed_by_gaps(self) -> bool:
-        """Whether a gap only delays the present step: what is held without one is awaited anew."""
+        """Whether a gap only delays the present step: what is held without one is awaited again."""
         return False
 
     @property

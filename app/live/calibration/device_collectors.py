@@ -97,7 +97,7 @@ class _InHand(Collector):
 
 
 def merged(known: DeviceCalibration | None, new: DeviceCalibration) -> DeviceCalibration:
-    """Return what is known of a device with what was found anew in its place."""
+    """Return what is known of a device with what was found again in its place."""
     if known is None:
         return new
     return DeviceCalibration(
@@ -165,7 +165,7 @@ class SixPositions(_InHand):
         )
 
     def review(self) -> None:
-        """Look for positions and turns anew."""
+        """Look for positions and turns again."""
         for i in range(len(self.handled)):
             if len(self._found[i]) < len(self.steps):
                 self._found[i] = self._seen(i)

@@ -1,4 +1,4 @@
-"""What is remembered about sensors by their serial numbers: calibrations made in the hand, constants learnt.
+"""Knowledge of sensors by their serial numbers: calibrations made in the hand, constants learnt.
 
 All functions block; the live side calls them in a thread. Only sensors whose gateway tells serial numbers are
 remembered: a name such as "phone" may be another phone tomorrow.

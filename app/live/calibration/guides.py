@@ -1,4 +1,4 @@
-"""What a person does in each kind of calibration, step by step; pictures are drawn by the browser."""
+"""Steps of a person in each kind of calibration; pictures are drawn by the browser."""
 
 from typing import Final
 

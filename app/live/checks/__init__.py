@@ -1,1 +1,1 @@
-"""What is watched in a stream: link, health, readings that cannot be right."""
+"""Checks of a stream: link, health, readings that cannot be right."""

@@ -101,7 +101,7 @@ class FirstSeconds:
         self._names, self._tell = tuple(names), tell
         self._step_s = time_step_s
         self.recent = RecentSamples(round(CHECK_EVERY_S / time_step_s) + LATE_TICKS)
-        """The newest ticks; whoever writes them there calls `seen`."""
+        """The newest ticks; the writer calls `seen` after each write."""
         self._from_tick = NOTHING
         """First tick not looked at yet; it may have left the ring."""
         self._known = packed(RecordingCheck(self._names, hemisphere, clip_levels))
@@ -123,7 +123,7 @@ class FirstSeconds:
         return frozenset(found.sensor for found in self._current if found.severity == "refuse")
 
     def restart(self, name: str) -> None:
-        """Watch a sensor anew: it was away, and may have come back as another one."""
+        """Watch a sensor again: it was away, and may have come back as another one."""
         self._gone.add(name)
         self._next_s = 0.0
         self._told = {subject: found for subject, found in self._told.items() if found.sensor != name}

@@ -21,7 +21,7 @@ _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 _STARTING = int(OrientationFlag.CONVERGING)
 JITTER_STEP_MS: Final = 1.0
-"""Jitter is shown anew once it is further from what was shown: it moves a little with every packet."""
+"""Jitter is shown again once it is further from what was shown: it moves a little with every packet."""
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""What is said of readings that cannot be right to a person who wears the sensor and has no table to correct."""
+"""Findings about readings in words for a person who wears the sensor and has no table to correct."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -63,7 +63,7 @@ def check(known: bytes, chunk: ImuChunk, gone: Collection[str] = ()) -> Checked:
     chunk : ImuChunk
         What came since.
     gone : collection of str
-        Sensors to begin anew with.
+        Sensors to begin again with.
     """
     began_s = time.thread_time()
     state: RecordingCheck = pickle.loads(known)  # noqa: S301 - a check of this service packed it

@@ -1,4 +1,4 @@
-"""A word in each second without one, so that whoever listens knows that the way between is open.
+"""A heartbeat in each second without a message, so that the listener knows that the connection is open.
 
 A network that goes away closes no connection, and a browser hears nothing of the pings below its sockets: silence must
 mean something by itself.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from estimators.recording import Float, ImuChunk
 
 LATE_TICKS: Final = 320
-"""So many ticks of a session are taken at most before whoever reads the ring learns of the first of them."""
+"""Largest number of ticks written before the reader of the ring hears of the first of them."""
 
 
 class RecentSamples:

@@ -1,4 +1,4 @@
-"""What the edge has received since the last turn: packets, one after the other, and whose they are."""
+"""The packets that the edge has received since the last turn, in order, with their session."""
 
 from typing import Any, Final, Protocol
 

@@ -84,7 +84,7 @@ class Pooled(Protocol):
         """The newest seconds of its samples."""
 
     def show(self, frames: Frames, *, is_live: bool) -> None:
-        """Give frames to whoever wants them at once; `is_live` where they came as they were measured."""
+        """Publish frames to the subscribers; `is_live` where they came as they were measured."""
 
     def watch_source(self, first_tick: int, coil_state: Float | None) -> None:
         """Look whether a coil is on that nobody asked for."""
@@ -225,7 +225,7 @@ class Lane:
         self.is_sure = False
 
     def forget(self) -> None:
-        """Look anew where the session stands before the next packet is taken."""
+        """Look again where the session stands before the next packet is taken."""
         self.settle()
         self._next, self.is_sure = (-2, -2), False
 

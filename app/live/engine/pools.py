@@ -226,10 +226,10 @@ class SessionPool:
         return found.reshape(self.sensors, row[TICKS], width)[:, :, part]
 
     def settled(self, slot: int) -> None:
-        """Let the rows of a session's frames be written anew."""
+        """Let the rows of a session's frames be written again."""
         x: Any = self.network.slot[slot]
         x["frame_row"] = 0
-        # Where a rare packet stands before what waits, the session's row is filled anew before any other is taken.
+        # Where a rare packet stands before what waits, the session's row is filled again before any other is taken.
         if x["blocked"] == WAITS:
             x["blocked"] = ORDINARY
 

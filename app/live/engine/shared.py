@@ -1,4 +1,4 @@
-"""What the managers of a process have in common; a service in one process has one manager."""
+"""Parts that the managers of a process share; a service in one process has one manager."""
 
 import asyncio
 from collections.abc import Collection

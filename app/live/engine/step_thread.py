@@ -36,7 +36,7 @@ GIVES_WAY: Final = 5
 Take = Callable[[NDArray[np.int64], NDArray[np.uint8]], None]
 """Takes what is asked for, as `take_arms` does with a pool's arrays."""
 _libc: Final = ctypes.PyDLL(None)
-"""Whose calls hold the interpreter's lock: who gives it back for a byte waits a switch interval to have it again."""
+"""Its calls hold the interpreter's lock. A thread that releases it for one byte waits a switch interval for it."""
 _libc.read.argtypes = _libc.write.argtypes = (ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t)
 _libc.read.restype = _libc.write.restype = ctypes.c_ssize_t
 _read: Final = types.ExternalFunction("read", types.intp(types.int32, types.voidptr, types.uintp))

@@ -3,9 +3,8 @@
 A turn begins some milliseconds after the first packet that waits for it. Packets of sessions that are in a pool are
 checked, placed, estimated and written as blocks without the interpreter's lock; then Python stores and publishes them.
 Rare packets, and those of sessions in no pool, take the general way, in their order. Everything runs on the event
-loop's thread, but for the compiled calls of pools that have much to do, which a thread makes (`step_thread`). Whoever
-else reads a session or moves it on ends first what threads do with its packets (`Lane.settle`): what is done to it is
-done between two turns of its own.
+loop's thread, except the compiled calls of pools that have much to do, which a thread makes (`step_thread`). Other code
+that reads or changes a session first flushes its packets (`Lane.settle`), so that it works between two turns.
 """
 
 import asyncio
@@ -143,7 +142,7 @@ class PooledEngine:
             self.turn()
 
     def finish(self, lane: Lane | None = None) -> None:
-        """End what threads work on: whoever reads or moves a session sees it with all of its packets.
+        """Flush the packets that threads work on: the caller then sees a session with all of its packets.
 
         Parameters
         ----------
@@ -167,7 +166,7 @@ class PooledEngine:
         return self._lasted_s > BEHIND_S and since_s < self._lasted_s + BEHIND_S
 
     async def between_turns(self) -> None:
-        """Return when no thread works on packets: whoever settles sessions then does not hold up the event loop.
+        """Return when no thread works on packets: flushing sessions then does not block the event loop.
 
         Where packets come faster than they are worked on there is no such moment: then it returns after `PATIENCE_S`.
         """
@@ -295,7 +294,7 @@ class PooledEngine:
     def _still_in(self, pool: SessionPool, items: _Items) -> _Items:
         """Return the packets of sessions that are estimated in a pool; others take the general way.
 
-        A session that took the general way meanwhile is asked anew: its row says where it stood before.
+        A session that took the general way meanwhile is asked again: its row says where it stood before.
         """
         still: _Items = []
         places: dict[Lane, SessionPool | None] = {}

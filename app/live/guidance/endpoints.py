@@ -1,4 +1,4 @@
-"""What a patient asks of the guidance over HTTP: pause, go on, "it hurts", stop."""
+"""A patient's requests to the guidance over HTTP: pause, go on, "it hurts", stop."""
 
 import asyncio
 

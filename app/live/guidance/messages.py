@@ -1,4 +1,4 @@
-"""What a guided session says while it goes on, and what its patient may ask of it."""
+"""Messages of a guided session, and the requests that its patient may make."""
 
 from typing import Literal
 

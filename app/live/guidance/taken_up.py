@@ -1,4 +1,4 @@
-"""What of a guided session is known from its stored time line, so that a restart of the service loses no repetition."""
+"""The state of a guided session from its stored time line: a restart of the service loses no repetition."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ from app.live.guidance.messages import GuidanceCause, GuidanceCounts
 from app.recordings.models import SessionEvent
 
 ENDS_A_SET: Final = ("valid_count", "set", "attempt_count")
-"""Causes after which a set begins anew."""
+"""Causes after which a set begins again."""
 _HELD = ("pain", "guidance_stop", "guidance_pause", "guidance_resume")
 
 

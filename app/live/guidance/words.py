@@ -1,4 +1,4 @@
-"""What the time line says of a guided session."""
+"""Sentences of the time line about a guided session."""
 
 from typing import Final
 

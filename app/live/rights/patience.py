@@ -1,7 +1,7 @@
 """Patience with a database that does not answer: what is open stays open for a while.
 
 A right that cannot be looked up is not a right that is lost. Sockets that were allowed stay so while the database is
-gone, but not for long: whoever lost the right meanwhile must not go on for ever.
+gone, but not for long: an account that lost the right meanwhile must not go on for ever.
 """
 
 import time

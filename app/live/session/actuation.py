@@ -1,4 +1,4 @@
-"""What a live session asks of its magnetic source, and what it tells of trouble with it.
+"""Requests of a live session to its magnetic source, and its reports of trouble with it.
 
 The pipeline says at which tick which coil is worth its energy; here that becomes a message to the network, in the time
 of its own clock, and a change for the worse or better becomes an entry of the time line.
@@ -21,7 +21,7 @@ Tell = Callable[[str, float, str, str], None]
 """Kind, session time, placement and words of an event."""
 
 VALID_S: Final = 0.4
-"""A pulse that has not begun by then is asked for anew by the filter."""
+"""A pulse that has not begun by then is asked for again by the filter."""
 SILENCE_S: Final = 1.0
 CYCLE_S: Final = 3.0
 _SOUND_AFTER_S: Final = 1.0

@@ -1,4 +1,4 @@
-"""What is stored and reported about a live session: its state, its time line, its recording interval."""
+"""The stored and reported side of a live session: its state, its time line, its recording interval."""
 
 import contextlib
 import logging

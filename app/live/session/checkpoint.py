@@ -92,7 +92,7 @@ def capture(session: LiveSession) -> "State | None":
 
 
 def _key(parts: Parts) -> bytes:
-    """Return `key_of`, made anew only when setup or network is another one."""
+    """Return `key_of`, made again only when setup or network is another one."""
     pipeline, declaration = parts.pipeline, parts.clock.declaration
     made_of = (pipeline.setup, declaration, pipeline.version)
     if parts.key is None or any(one is not other for one, other in zip(parts.key[0], made_of, strict=True)):

@@ -55,7 +55,7 @@ class PooledSession(CalibratedSession):
         return self.now
 
     def settle(self) -> None:
-        """Carry everything on over the packets that have been taken; the lane looks anew before the next."""
+        """Carry everything on over the packets that have been taken; the lane looks again before the next."""
         if self.lane is not None:
             self.lane.settle()
             self.lane.is_sure = False

@@ -1,4 +1,4 @@
-"""What is said of a session that is not live here, from its row."""
+"""The status of a session that is not live here, from its row."""
 
 from app.live.blocks import layout_message
 from app.live.messages import LayoutMessage, StateMessage

@@ -1,4 +1,4 @@
-"""What is stored of a session that has streamed and moves to another machine."""
+"""The stored part of a session that has streamed and moves to another machine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the name of a column says: quantity, axis, unit, and which sensor at which place."""
+"""The meaning of a column's name: quantity, axis, unit, and which sensor at which place."""
 
 import re
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a file seems to be, from its name and its beginning: the format, and of a table how to read it."""
+"""The preview of a file from its name and its beginning: the format, and of a table how to read it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

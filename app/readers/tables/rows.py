@@ -1,4 +1,4 @@
-"""What tells the rows of a table apart: devices that take turns, and kinds of rows.
+"""Columns that tell the rows of a table apart: devices that take turns, and kinds of rows.
 
 A column of names, addresses or numbers makes sensors only where each of its values has samples of its own at an even
 rate while others have theirs; a mark that somebody set, a button or the phase of an exercise, does not.
@@ -106,7 +106,7 @@ def devices_of_pieces(
     Returns
     -------
     Turns or None
-        Of a column of devices by which one sensor is only named anew, `is_one`.
+        Of a column of devices by which one sensor is only named again, `is_one`.
     """
     found = [devices_of_rows(body, columns, time, unit, signals[:3]) for body in bodies]
     if turns := max((one for one in found if one is not None), key=lambda one: len(one.values), default=None):
@@ -183,7 +183,7 @@ def follow_each_other(
     at, texts = at[rows], texts[rows]
     again = np.diff(at) < 0.0
     each = [at[texts == value] for value in values]
-    # Of a recording that was begun anew, as of stamps that go to and fro, time falls within a text too.
+    # Of a recording that was begun again, as of stamps that go to and fro, time falls within a text too.
     if (
         not again.any()
         or (texts[1:] == texts[:-1])[again].any()

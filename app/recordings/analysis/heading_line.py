@@ -1,4 +1,4 @@
-"""Headings set anew during a session, set anew again when the stored session is estimated.
+"""Headings set during a session, set again when the stored session is estimated.
 
 A heading reset holds from the moment it was made: before it the calibration was another one, and with another
 filter, or a smoother, the heading that it takes away is another too. So the resets are made again, each at its tick.
@@ -21,7 +21,7 @@ from estimators.pipelines import Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
 
 MOUNTINGS: Final = ("n_pose", "t_pose", "functional", "passive")
-"""Calibrations that set the mountings; headings set anew and biases found later leave them in force."""
+"""Calibrations that set the mountings; headings set again and biases found later leave them in force."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def calibration_in_force(
     -------
     pose_s : (float, float) or None
         Half-open session time of the standing pose in force; None where something else set the mounting. A T-pose or
-        movements are not evaluated anew: mountings do not depend on the filter, and with a compass the facing does not
+        movements are not evaluated again: mountings do not depend on the filter, and with a compass the facing does not
         either.
     resets : tuple of HeadingReset
         Since the mounting in force was set, earliest first.
@@ -92,7 +92,7 @@ def calibration_in_force(
 
 
 class HeadingLine:
-    """Steps a pipeline over a stored session and sets headings anew where that was done.
+    """Steps a pipeline over a stored session and sets headings again where that was done.
 
     Parameters
     ----------

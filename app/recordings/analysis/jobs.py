@@ -104,7 +104,7 @@ class JobContext:
 
 
 Handler = Callable[[JobContext], str]
-"""Does one kind of task; returns what to say when it is done. A further attempt starts anew."""
+"""Does one kind of task; returns what to say when it is done. A further attempt starts again."""
 
 
 @dataclass(frozen=True)

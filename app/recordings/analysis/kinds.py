@@ -1,4 +1,4 @@
-"""What a kind of session supplies, and how the service finds it.
+"""The contract of a kind of session, and how the service finds it.
 
 A kind is a folder of `app.kinds` with a `KIND` in its module `kind`. Nothing outside `app.kinds` asks which kind a
 session is: it asks the kind. What all kinds share is the general way (`app.recordings.analysis.offline`), which needs

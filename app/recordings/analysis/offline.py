@@ -115,7 +115,7 @@ def estimated(
     Parameters
     ----------
     line : HeadingLine
-        The pipeline, and the headings set anew on the way.
+        The pipeline, and the headings set again on the way.
     pieces : iterable of ImuChunk
         The whole session from its first tick on.
     smoothed : bool

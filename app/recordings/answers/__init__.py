@@ -1,1 +1,1 @@
-"""What a patient says after an exercise: pain, effort, a question of the therapist's, and words."""
+"""A patient's answers after an exercise: pain, effort, a question of the therapist's, and words."""

@@ -1,4 +1,4 @@
-"""What waits to be written for one session, and how it becomes chunks."""
+"""The buffers of one session that wait to be written, and how they become chunks."""
 
 import logging
 import time
@@ -228,7 +228,7 @@ def _packet_groups(packets: list[RawPacket]) -> Iterable[list[RawPacket]]:
 
 
 def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, list[Frames]]]:
-    """Gather consecutive frames of one result; start anew after a gap, another layout or enough ticks."""
+    """Gather consecutive frames of one result; start again after a gap, another layout or enough ticks."""
     group: list[Frames] = []
     group_result, start, following = "", 0, 0
     for result_id, frames in parts:

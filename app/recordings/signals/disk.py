@@ -98,7 +98,7 @@ class DiskUse:
                     self._counted[arriving.clinic_id] = (counted[0], counted[1] + arriving.size_bytes)
 
     def _used(self, clinic_id: str, enough_bytes: int) -> int:
-        """Return what is used; counted anew where that is long ago, or more than what would be enough."""
+        """Return what is used; counted again where that is long ago, or more than what would be enough."""
         arriving = [one for one in self._arriving if one.clinic_id == clinic_id]
         arriving_bytes = sum(one.size_bytes for one in arriving)
         at_s, counted = self._counted.get(clinic_id, (-COUNTED_EVERY_S, 0))

@@ -1,1 +1,1 @@
-"""What a service on many machines carries, by the measured costs of its parts; see `docs/scaling.md`."""
+"""The capacity of a service on many machines, by the measured costs of its parts; see `docs/scaling.md`."""

@@ -1,1 +1,1 @@
-"""What gateways and browsers reach: takes packets into the stream, shows what workers publish."""
+"""The edge for gateways and browsers: takes packets into the stream, shows what workers publish."""

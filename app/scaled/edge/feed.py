@@ -1,4 +1,4 @@
-"""What an edge hears of sessions that are live elsewhere: the bus of its views, and the reports to its gateways."""
+"""An edge's feed of sessions that are live elsewhere: the bus of its views, and the reports to its gateways."""
 
 import asyncio
 import contextlib

@@ -105,7 +105,7 @@ class MqttDoor:
             await self._broker.client.flush(timeout=1)
 
     def _lost(self) -> None:
-        """Have gateways connect anew: what they sent while the server was away is lost."""
+        """Have gateways connect again: what they sent while the server was away is lost."""
         for link, _ in self._served.values():
             link.lose(Unavailable(say("scaled.mqtt_lost"), retry_after_s=1, reason="lost"))
 

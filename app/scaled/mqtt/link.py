@@ -61,7 +61,7 @@ class MqttLink:
         self._came.set()
 
     def lose(self, error: TelemotionError) -> None:
-        """Have the conversation ended: what waits is thrown away, and the gateway is asked to connect anew."""
+        """Have the conversation ended: what waits is thrown away, and the gateway is asked to connect again."""
         self._error = error
         self._waiting.clear()
         self._bytes = 0

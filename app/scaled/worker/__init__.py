@@ -1,1 +1,1 @@
-"""What sessions are live in: reads partitions of the stream that it holds, and publishes what it finds."""
+"""The worker that sessions are live in: it reads the partitions that it holds, and publishes its results."""

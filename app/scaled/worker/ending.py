@@ -16,7 +16,7 @@ async def end(tasks: Iterable[asyncio.Task[Any]], again_s: float = AGAIN_S) -> N
     Parameters
     ----------
     again_s : float
-        A task that goes on for so long is cancelled anew.
+        A task that goes on for so long is cancelled again.
     """
     pending = {one for one in tasks if not one.done()}
     while pending:

@@ -1,4 +1,4 @@
-"""What comes out of a partition's stream, given to the session that it is for; nothing that was acknowledged is lost.
+"""Delivery of a partition's stream to its sessions; nothing that was acknowledged is lost.
 
 What comes for a session that is being opened waits for it. A session that is open and cannot be taken up at this
 moment, because the database is away or its kernels are being compiled, is tried again, and what comes for it waits as

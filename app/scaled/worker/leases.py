@@ -1,6 +1,6 @@
 """Who holds which partition: keys in a bucket of NATS, renewed again and again.
 
-A lease is a key that its holder writes anew a few times in its length. Who sees a key unchanged for that length, by the
+A lease is a key that its holder renews a few times in its length. Who sees a key unchanged for that length, by the
 own clock, may write it, on condition that it is still the same: of several only one succeeds. Workers write that they
 live in the same way; each wants its share of the partitions (`share_of`), and gives one back when it has more, the next
 when that one is taken up. The keys of a worker whose process has ended are deleted by another one
@@ -118,7 +118,7 @@ class Leases:
         await asyncio.gather(*(self._give_back(one) for one in self.held), return_exceptions=True)
 
     def _back(self) -> None:
-        # What others wrote while the broker was away, or would have written, is awaited anew.
+        # What others wrote while the broker was away, or would have written, is awaited again.
         now_s = time.monotonic()
         self._seen = {key: replace(one, since_s=now_s) for key, one in self._seen.items()}
 

@@ -116,7 +116,7 @@ class Partition:
         self._is_set_up = True
         later = await self.sessions.begin(self.number, self._broker.partitions)
         info = await self._broker.streams.stream_info(stream_name(self.number))
-        # A stream that was made anew begins at one: all of it is unread.
+        # A stream that was made again begins at one: all of it is unread.
         self.position = self._stored = stored if stored <= info.state.last_seq else 0
         self.waiting = info.state.last_seq - self.position
         self.sessions.behind(lambda: self.waiting > 0 or self._entries.is_opening)

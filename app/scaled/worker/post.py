@@ -1,4 +1,4 @@
-"""What the partitions of a worker have for the edges: one message an edge and turn, for all partitions together."""
+"""Messages of a worker to the edges: one an edge and turn, for all partitions together."""
 
 import asyncio
 import logging

@@ -1,4 +1,4 @@
-"""What edges ask whoever holds a partition: what a view receives first, and requests that steer a session."""
+"""Requests of edges to the holder of a partition: a view's first messages, and requests that steer a session."""
 
 import asyncio
 import logging

@@ -1,7 +1,7 @@
 """Reading a partition's stream in order, from a position on, over reconnections and restarts of the server.
 
 An ordered consumer: pushed, in memory, without acknowledgements. Each message carries its number in the consumer; when
-one is missing, or the server is silent, the consumer is made anew behind the last message that was read. A durable
+one is missing, or the server is silent, the consumer is made again behind the last message that was read. A durable
 consumer would deliver again what was not acknowledged behind what came later, which broke the order of sessions.
 """
 
@@ -54,7 +54,7 @@ async def read(broker: Broker, partition: int, position: int) -> AsyncIterator[t
                 yield sequence, data, waiting
         except (nats.errors.Error, StreamError, OSError, TimeoutError) as error:
             logger.warning(
-                "partition %d is read anew behind %d: %s", partition, position, type(error).__name__
+                "partition %d is read again behind %d: %s", partition, position, type(error).__name__
             )
         await asyncio.sleep(AGAIN_S)
 

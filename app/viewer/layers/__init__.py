@@ -1,1 +1,1 @@
-"""What else stands in the scene: feet, markers, modules, the centre of mass."""
+"""Further layers of the scene: feet, markers, modules, the centre of mass."""

@@ -1,4 +1,4 @@
-"""What stands in the scene, as viser nodes: room, pieces of the body, ghost, trail, halo, labels."""
+"""Nodes of the scene in viser: room, pieces of the body, ghost, trail, halo, labels."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""What a seated figure sits on: a plain stool, as high as the person's knees want it."""
+"""The seat of a seated figure: a plain stool, as high as the person's knees want it."""
 
 from typing import Any, Final
 

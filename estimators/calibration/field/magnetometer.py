@@ -214,7 +214,7 @@ class MagnetometerCollector:
         norm : float, optional
             The known norm of the local field; by default the mean that the sensor itself reads.
         known : TriadCalibration, optional
-            An earlier full result of this device: its soft iron stays, only the hard iron is found anew.
+            An earlier full result of this device: its soft iron stays, only the hard iron is found again.
 
         Returns
         -------

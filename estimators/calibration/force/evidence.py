@@ -1,4 +1,4 @@
-"""What a recording says of an accelerometer, gathered stretch by stretch within a bounded memory."""
+"""Evidence of an accelerometer's errors in a recording, gathered by stretches within a bounded memory."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""What follows from an accelerometer's offset and scale: a correction, and whether somebody must calibrate it."""
+"""Consequences of an accelerometer's offset and scale: a correction, and whether somebody must calibrate it."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the movements of a session say of a standing pose: whether the patient faced as assumed, and stood as asked."""
+"""Check of a standing pose by the session's movements: whether the patient faced as assumed, and stood as asked."""
 
 import math
 from collections.abc import Sequence

@@ -86,7 +86,7 @@ class Evidence:
     def costs(self) -> tuple[Float, Float]:
         """Return what force, and field, leave with what the offsets cost, shape (11, 48) each.
 
-        A device has one offset, which is fitted in each stretch anew: it is paid once, not as often as it was seen.
+        A device has one offset, which is fitted in each stretch again: it is paid once, not as often as it was seen.
         """
         prices = self.prices / np.maximum(self.stretches, 1)[:, None]
         found = np.stack((self.force, self.field)).astype(np.float64)

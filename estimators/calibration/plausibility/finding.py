@@ -1,4 +1,4 @@
-"""What may be wrong with the readings of a sensor, and how it is said to people."""
+"""Findings about the readings of a sensor, and their words for people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ class TwoLooks:
         return [found for found in findings if found.severity == "refuse" or found.subject in before]
 
     def forget(self, sensor: str) -> None:
-        """Begin anew with one sensor: another device may have come in its place."""
+        """Begin again with one sensor: another device may have come in its place."""
         self._doubted = frozenset(subject for subject in self._doubted if subject[0] != sensor)
 
 

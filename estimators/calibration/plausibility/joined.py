@@ -43,5 +43,5 @@ class Joined:
         return slow, step_s
 
     def forget(self) -> None:
-        """Begin anew: what comes next does not adjoin what came."""
+        """Begin again: what comes next does not adjoin what came."""
         self._slow = self._over = None

@@ -1,4 +1,4 @@
-"""What is left of gravity and field when a gyroscope turns them back, for each way it may have been mistaken."""
+"""Residual of gravity and field turned back by a gyroscope, for each way it may have been mistaken."""
 
 from collections.abc import Callable
 from typing import Final, NamedTuple

@@ -1,4 +1,4 @@
-"""What is gathered of one sensor's readings, stretch by stretch, to judge whether they can be right."""
+"""Statistics of one sensor's readings, gathered by stretches, to judge whether they can be right."""
 
 import math
 from typing import Final

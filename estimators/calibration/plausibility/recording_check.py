@@ -97,7 +97,7 @@ class RecordingCheck:
             sensor.freeze_s = 0.0
 
     def forget(self, name: str) -> None:
-        """Begin anew with one sensor: another device may have come in its place."""
+        """Begin again with one sensor: another device may have come in its place."""
         for s, sensor in enumerate(self._sensors):
             if sensor.name == name:
                 self._sensors[s] = Readings(name)

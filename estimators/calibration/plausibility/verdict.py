@@ -1,4 +1,4 @@
-"""What is said of the readings of one sensor: units, axes, signs, dead channels, and what only does not fit."""
+"""Verdict on one sensor's readings: units, axes, signs, dead channels, and what only does not fit."""
 
 import math
 from typing import Final

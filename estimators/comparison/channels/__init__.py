@@ -1,1 +1,1 @@
-"""What of a session is compared: trajectories, the channels of one side, their mirror, and their names for people."""
+"""The compared parts of a session: trajectories, channels of one side, their mirror, and their names for people."""

@@ -1,4 +1,4 @@
-"""What is said of strides beside a template: in their own words, and which way the foot went out of its band."""
+"""Words for strides beside a template, and for the way the foot went out of its band."""
 
 from collections.abc import Sequence
 from typing import Final

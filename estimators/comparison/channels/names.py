@@ -1,4 +1,4 @@
-"""What people call a channel, its unit, and which angles tell how a limb moves."""
+"""Names of channels for people, their units, and which angles tell how a limb moves."""
 
 import re
 from typing import Final

@@ -1,4 +1,4 @@
-"""What leaves the therapist's band in most repetitions: counted from what is drawn red, by no rule of its own."""
+"""Channels that leave the therapist's band in most repetitions: counted from what is drawn red, by no other rule."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What one repetition gives beyond ranges: how its outward stroke goes, and how two joints go together in it."""
+"""Measures of one repetition beyond ranges: its outward stroke, and how two joints go together in it."""
 
 import functools
 from typing import Final

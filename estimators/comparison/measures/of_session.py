@@ -1,4 +1,4 @@
-"""What only several repetitions together have: how alike they are, with its uncertainty."""
+"""Measures that need several repetitions: how alike they are, with its uncertainty."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -1,4 +1,4 @@
-"""What speaks for a posture as home: rest there, rest there at either end, and that people come back to just there.
+"""Evidence for a posture as home: rest there, rest there at either end, and return to just there.
 
 People rest at home more than elsewhere, and how far they go varies more from one repetition to the next than where they
 come back to: the spread of where a movement ends grows with how far it went (Harris and Wolpert 1998, Nature 394:780).

@@ -1,4 +1,4 @@
-"""What the off-line and the live form of the foot filter share: start, constants and records."""
+"""Shared parts of the off-line and the live foot filter: start, constants and records."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a long gap costs: the foot's place and heading, from then on, until something tells them again."""
+"""The cost of a long gap: the foot's place and heading, from then on, until something tells them again."""
 
 import math
 from typing import Final
@@ -94,7 +94,7 @@ def begin_anew(
 
 
 class LostPlace:
-    """Says of released samples how much less is known of place and heading than the filter, which begins anew, knows.
+    """Says of released samples how much less is known of place and heading than the filter, which begins again, knows.
 
     A gap of T seconds may hide a way of `lost_speed_mps` T in any direction, a climb of `lost_climb_mps` T and a turn
     of `lost_turn_radps` T, one sigma each. A turn by a normal angle of deviation s misplaces a way d walked since by

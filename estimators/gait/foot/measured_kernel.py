@@ -1,4 +1,4 @@
-"""What the foot filter measures at a sample, compiled: stance, standstill, height and heading as scalar rows."""
+"""Measurements of the foot filter at a sample, compiled: stance, standstill, height and heading as scalar rows."""
 
 import math
 

@@ -1,1 +1,1 @@
-"""What strides of both feet tell of a walk beside their numbers."""
+"""A walk from the strides of both feet, beside their numbers."""

@@ -1,4 +1,4 @@
-"""What the numbers of a walk leave out and why, in plain sentences."""
+"""Reasons why the numbers of a walk leave strides out, in plain sentences."""
 
 from collections.abc import Mapping
 

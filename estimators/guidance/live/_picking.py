@@ -1,4 +1,4 @@
-"""What a guide needs of each packet of frames, and nothing besides: the bits of `signals(trajectory(frames), ready)`.
+"""The signals that a guide needs of each packet of frames: the bits of `signals(trajectory(frames), ready)`.
 
 A packet is a few ticks. Of these `trajectory` collects every channel that a comparison may ask for, with the sigma of
 points that no guide reads; that took ten times as long as the filter itself. Where each channel of the template is in

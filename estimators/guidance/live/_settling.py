@@ -26,7 +26,7 @@ class Settling:
         self.restart()
 
     def restart(self) -> None:
-        """Wait anew."""
+        """Wait again."""
         self._rows: deque[tuple[Float, Float]] = deque(maxlen=self._ticks)
         self._waited = 0
 

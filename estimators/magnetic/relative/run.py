@@ -93,7 +93,7 @@ _WIDE_SHARE = 0.25
 """Of the distance: with a place known less well than this a single pulse is not nearly linear, a burst needs to be
 nothing at all."""
 _LONG_GAP_S = 0.3
-"""After this the pose is asked for anew."""
+"""After this the pose is asked for again."""
 _ALONE_FACTOR = 10.0
 _PAIR_LIMIT, _WINDOW_LIMIT = 22.46, 37.7
 """99.9 % points of chi-square with the degrees of freedom of two and of five pulses."""

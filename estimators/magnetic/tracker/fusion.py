@@ -59,7 +59,7 @@ class TrackerFusionParameters:
     orientation filter, or both, weighed by their covariances (erratum E4). Both modules' orientation filters wander
     with `filter_attitude_sigma_deg` an axis and `filter_attitude_time_s` (page 4.2). `force_bias_sigma_mps2` is of
     each accelerometer; `rate_bias_sigma_radps` holds where nobody stood still first. `gate` and `fix_gate` are the
-    chi-squares of three and six degrees of freedom above which rows are left out; three fixes in a row start anew.
+    chi-squares of three and six degrees of freedom above which rows are left out; three fixes in a row start again.
     """
 
     force_sigma_mps2: float = 0.05

@@ -168,7 +168,7 @@ def relative_rate(nominal: Float, before: Float, now: Float, time_step_s: float)
 def predict(
     p: Float, a: Float, nominal: Float, source: Float, settings: Float, white: Float, work: Float
 ) -> None:
-    """Carry the covariance over a step to `nominal`; the white errors of a fix are drawn anew. `work` is (3, n, n).
+    """Carry the covariance over a step to `nominal`; the white errors of a fix are drawn again. `work` is (3, n, n).
 
     `source` is the attitude of the source then, `white` the covariance of those errors, shape (6, 6). What the error
     of the source's filter wanders in the step, w in its axes, turns the world with all that is in it.

@@ -1,4 +1,4 @@
-"""What the filters of the arm-monitoring thesis share behind the contract."""
+"""Shared parts of the filters of the arm-monitoring thesis behind the contract."""
 
 import math
 from abc import abstractmethod

@@ -47,7 +47,7 @@ class MarzoukEulerEstimator(MarzoukEstimator):
     """State: roll, pitch, yaw and bias (6), all three angles measured (A8, A4, A5).
 
     Where the sensor's x axis is steeper than 85 degrees roll and yaw mean nothing: they are held, flagged
-    SINGULAR with a sigma that says so, and found anew below.
+    SINGULAR with a sigma that says so, and found again below.
     """
 
     name: ClassVar[str] = "marzouk_euler_ekf"

@@ -1,4 +1,4 @@
-"""What the filters of the arm-monitoring thesis do to a sample before and after their own equations.
+"""Steps of the filters of the arm-monitoring thesis before and after their own equations.
 
 Inside, the thesis' convention holds (Marzouk 2009, method page 1.3): U is north-east-down and the
 accelerometer is gravity-positive in g, `s = -specific force / g`. `prepare` converts on the way in and

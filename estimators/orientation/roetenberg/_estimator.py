@@ -87,7 +87,7 @@ PUBLISHED: Final[dict[str, Any]] = {
 class RoetenbergEstimator(StrapdownEstimator):
     """State: errors of orientation, offset and magnetic disturbance (9); gravity and field measure.
 
-    The reference is the field at the first start and is not learned anew: a start beside iron is flagged as
+    The reference is the field at the first start and is not learned again: a start beside iron is flagged as
     disturbed when the sensor leaves it. After a long gap the heading is taken from the field only where that
     is the reference. A detector of norm and dip cannot see a field that is merely turned.
     """

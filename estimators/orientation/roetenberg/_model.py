@@ -1,4 +1,4 @@
-"""What Roetenberg's filter carries, and the state it adds to orientation and offset: the magnetic disturbance.
+"""State of Roetenberg's filter: orientation and offset, and the magnetic disturbance that it adds to them.
 
 Its error delta = R d_e is in the earth frame as that of orientation is. Fields are in units of the reference's norm.
 """

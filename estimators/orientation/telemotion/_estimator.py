@@ -36,7 +36,7 @@ class TelemotionEstimator(RecordEstimator):
     Each sample turns the attitude; every `block_s` a Kalman filter of 31 states corrects it, and corrections
     enter the output gradually (`return_*`), so that it never jumps faster than the stated rate except where a
     heading is found for the first time or after a gap longer than `coast_s` (CONVERGING). Inside shorter gaps,
-    MISSING or BRIDGED, the output runs on; once over, they are filled anew from the samples around them.
+    MISSING or BRIDGED, the output runs on; once over, they are filled again from the samples around them.
 
     Sigma is the covariance scaled to what the errors were found to be, with floors for what no sensor shows,
     and the part of a correction that is still to come.

@@ -1,4 +1,4 @@
-"""What goes into our own filter and out of it: reading a tick, and corrections that enter gradually."""
+"""Input and output of our own filter: reading a tick, and corrections that enter gradually."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What our own filter does with every sample: turn by the rate, sum up the block, notice rest."""
+"""Steps of our own filter at every sample: turn by the rate, sum up the block, notice rest."""
 
 import math
 

@@ -91,7 +91,7 @@ def meet_field(memory: Record, p: Float, settings: Record) -> None:
 
 @borrowing()
 def forget_field(memory: Record, p: Float, settings: Record) -> None:
-    """Give hard iron and the field at the start their priors again; FIELD is met anew."""
+    """Give hard iron and the field at the start their priors again; FIELD is met again."""
     for i in range(FIELD, STATES):
         if i == DELAY:
             continue

@@ -66,7 +66,7 @@ def start_over(p: Float, memory: Record, settings: Record, off: float) -> None:
     """Level the attitude on the window, which contradicts it by the angle `off`, and forget what followed from it.
 
     The bias stays, for it may be large and well known, but it may also be what the wrong tilt made of it: it is as
-    uncertain as at the start. The field is met anew.
+    uncertain as at the start. The field is met again.
     """
     whole = memory.gravity * memory.up_s
     tw, tx, ty, tz = to_vertical(memory.up_sum[0], memory.up_sum[1], memory.up_sum[2])

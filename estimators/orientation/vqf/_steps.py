@@ -128,7 +128,7 @@ def low_pass(memory: Float, coefficients: Float, step_s: float, channels: int, v
 
 @step()
 def restart(x: Record, c: Record) -> None:
-    """After a gap: average anew around the held inclination and heading, with the old bias and reference field."""
+    """After a gap: average again around the held inclination and heading, with the old bias and reference field."""
     x.rest_rate_filter[:] = 0.0
     x.rest_force_filter[:] = 0.0
     x.matrix_filter[:] = 0.0

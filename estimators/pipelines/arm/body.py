@@ -1,4 +1,4 @@
-"""What every pipeline over a body network shares: orientation, calibration, segments in the room."""
+"""Shared parts of every pipeline over a body network: orientation, calibration, segments in the room."""
 
 import json
 from collections.abc import Mapping

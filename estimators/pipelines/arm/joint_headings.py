@@ -50,7 +50,7 @@ class JointHeadings:
         self._constraint = JointHeadingConstraint([kind for kind, *_ in found], time_step_s)
 
     def reset(self) -> None:
-        """Begin anew, as after a calibration."""
+        """Begin again, as after a calibration."""
         self._constraint.reset()
 
     def apply(

@@ -195,7 +195,7 @@ class ArmPipeline(NetworkPipeline):
         return found
 
     def reset_heading(self, pose: ImuChunk, placements: Sequence[Placement]) -> Calibration:
-        """Set the headings of some segments anew from an N-pose; see the contract."""
+        """Set the headings of some segments again from an N-pose; see the contract."""
         found = reset_heading(self._network, pose, placements)
         self._begin_anew()
         return found

@@ -60,7 +60,7 @@ def with_modules(chunk: ImuChunk, modules: Sequence[RelativeResult], start: int)
 
 @dataclass(frozen=True)
 class _Next:
-    """The first tick of the block behind: its smoothed state, and whether it began anew there."""
+    """The first tick of the block behind: its smoothed state, and whether it began again there."""
 
     nominal: Float
     covariance: Float
@@ -144,7 +144,7 @@ def _held(samples: Float) -> Float:
 
 
 def _flags(one: RelativePoseFilter, result: RelativeResult) -> NDArray[np.uint16]:
-    """Say anew where the pose is less certain than wanted: the smoother knows more than the filter did."""
+    """Say again where the pose is less certain than wanted: the smoother knows more than the filter did."""
     limits = np.repeat([one.parameters["uncertain_m"], np.radians(one.parameters["uncertain_deg"])], 3)
     variance = np.diagonal(result.covariance, axis1=1, axis2=2)
     started = (result.flags & np.uint16(int(RelativeFlag.INVALID))) == 0

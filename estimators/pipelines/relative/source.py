@@ -1,4 +1,4 @@
-"""What a relative-pose session knows of its source: where it is worn, its coils, and where sensors are from it."""
+"""The source of a relative-pose session: where it is worn, its coils, and where sensors are from it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace

@@ -1,4 +1,4 @@
-"""What the live foot filter released as rows of a walk's frames, compiled: steps, forces, centre of mass and flags."""
+"""Frames of a walk from what the live foot filter released, compiled: steps, forces, centre of mass and flags."""
 
 import math
 from typing import Final, NamedTuple

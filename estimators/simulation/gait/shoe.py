@@ -1,4 +1,4 @@
-"""What is wrong with the sensors of an instrumented shoe: load cells and inertial errors as published."""
+"""Errors of an instrumented shoe's sensors: load cells and inertial errors as published."""
 
 from dataclasses import dataclass, replace
 from typing import Final

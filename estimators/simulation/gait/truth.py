@@ -1,4 +1,4 @@
-"""What really happened in a simulated walk, on the ticks of its recording."""
+"""The truth of a simulated walk, on the ticks of its recording."""
 
 from dataclasses import dataclass
 from typing import TypeVar

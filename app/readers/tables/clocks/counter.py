@@ -70,7 +70,7 @@ def gone_on(stamps: Float) -> Float:
 
 
 def _wrap(counter: Float, steps: Float, falls: NDArray[np.intp]) -> float | None:
-    """Return after how many counts a counter begins again; None where it was started anew, or a row came late.
+    """Return after how many counts a counter begins again; None where it was started again, or a row came late.
 
     Of one, two, three or four bytes, or of any length that it was seen to have twice.
     """

@@ -1,4 +1,4 @@
-"""What a mapping says of a table: which columns are needed, as numbers or as they are written. Checked in words."""
+"""The columns that a mapping needs of a table, as numbers or as they are written. Checked in words."""
 
 from typing import Any
 

@@ -23,7 +23,7 @@ from estimators.recording import Float, SensorSignals
 _COUNTED_APART: Final = 20.0
 """In samples: counters farther apart than that in rows that stand together are not of one moment."""
 _PAUSE_S: Final = 5.0
-"""Without any sample for longer than this a recording paused, and its headings begin anew."""
+"""Without any sample for longer than this a recording paused, and its headings begin again."""
 
 
 class TableSensors:

@@ -1,4 +1,4 @@
-"""What is shown of a table before it is read: its first seconds, and what it is taken for in sentences.
+"""A table before it is read: its first seconds, and what it is taken for in sentences.
 
 The command, the interface and the upload page say the same, because it is written here.
 """

@@ -1,4 +1,4 @@
-"""What is assumed of a table: what the guess said and still holds, and what its signals cannot show."""
+"""Assumptions about a table: of the guess, as far as they hold, and what its signals cannot show."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from app.readers.tables.schemas import GuessedColumn, GuessedMapping
 from app.sentences import Sentence, say
 
 _OF_TIME: Final = frozenset({"guess.counter", "guess.rows_counted"})
-"""Said anew of the mapping as it is."""
+"""Said again of the mapping as it is."""
 
 
 def assumed(

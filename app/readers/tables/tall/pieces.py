@@ -1,4 +1,4 @@
-"""What was looked at of a table with one value a row: its beginning, and pieces of its rest."""
+"""The pieces of a table with one value a row that were looked at: its beginning, and parts of its rest."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a table with one value a row says of its values: which column holds them, which say what they are of."""
+"""The columns of a table with one value a row: which holds the values, which say what they are of."""
 
 from collections import Counter
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What the detector and the noise model say of samples that the live filter has not released yet."""
+"""Detector and noise model of samples that the live filter has not released yet."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""What the live foot filter holds of S feet: rows, feet leading, read and written by Python and by compiled code."""
+"""The state of the live foot filter for S feet: rows, feet leading, read and written by Python and compiled code."""
 
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple

@@ -20,7 +20,7 @@ from estimators.gait.foot.trajectory import COAST_S, FootFlag
 from estimators.recording import Float
 
 TILT_KNOWN_RAD = 0.1
-"""Begun in mid-stride or anew after a long gap, no stance counts before the vertical is as certain as this: then a
+"""Begun in mid-stride or again after a long gap, no stance counts before the vertical is as certain as this: then a
 swing of half a second goes wrong by a tenth of a metre."""
 _NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
 _BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)

@@ -50,7 +50,7 @@ class FootChunk:
     statistic : ndarray, shape (S, K)
         T of the stance detector.
     is_stance : ndarray of bool, shape (S, K)
-        The foot stands, and the vertical is known: none before, in a record that begins in mid-stride or anew.
+        The foot stands, and the vertical is known: none before, in a record that begins in mid-stride or again.
     flags : ndarray of uint8, shape (S, K)
         `FootFlag` bits.
     """

@@ -1,4 +1,4 @@
-"""What a long gap has cost, added to ticks of which none is missing: `LostPlace.widen`, compiled, the same bits."""
+"""The cost of a long gap, added to ticks of which none is missing: `LostPlace.widen`, compiled, the same bits."""
 
 import math
 from typing import Final

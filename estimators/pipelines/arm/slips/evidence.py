@@ -1,4 +1,4 @@
-"""What tells a sensor that turned on its segment from a segment that turned: the neighbours did not go along.
+"""Evidence for a sensor that turned on its segment, not with it: the neighbours did not go along.
 
 About the long axis: a middle segment cannot turn alone, as elbow and wrist do not twist. Across it: a turn moves the
 sensor itself and the joint at the segment's end, and accelerometers feel that.

@@ -1,4 +1,4 @@
-"""What the worn sensors measured of a stretch of a session, in the room: turning rates, accelerations, postures."""
+"""Motion of the worn sensors over a stretch of a session, in the room: turning rates, accelerations, postures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
