@@ -117,7 +117,7 @@ class Readiness:
 
 
 def storing_checks(settings: Settings, engine: Engine, lock: WriterLock, recorder: Any) -> dict[str, Check]:
-    """Return what storing needs."""
+    """Return what storing needs; `recorder` is a `GroupCommitWriter`."""
     return {
         "lock": lock.trouble,
         "database": partial(_write, engine),

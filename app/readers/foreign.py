@@ -27,6 +27,7 @@ _MARKS: Final = (
     (b"ARROW1", "data_frame"),
     (b"\x93NUMPY", "data_frame"),
     (b"\x80\x04\x95", "data_frame"),
+    (b"\x80\x05\x95", "data_frame"),
     (b"XDF:", "xdf"),
     (b"\x02\x50", "c3d"),
     (b"\xfa\xff", "mtb"),

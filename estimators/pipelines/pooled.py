@@ -116,6 +116,7 @@ class Pool(Protocol):
 
         Parameters
         ----------
+        stretches : ndarray of STRETCH
         count : int
             How many of them there are.
         signals : ndarray, shape (values,)

@@ -33,7 +33,7 @@ def write_blocks(
         First row in `columns`, rows, and where in `out` the block begins.
     heads : ndarray of uint32, shape (N, H)
     words, out : ndarray of uint32 and float32
-        The same memory.
+        One memory, seen in two ways.
     """
     angles, scalars = columns.angle_rad.shape[1], columns.scalar.shape[1]
     points, segments = columns.point_room_m.shape[1], columns.segment_flags.shape[1]

@@ -85,6 +85,8 @@ def take_arms(
         What comes and goes through the pipes.
     even, odd : Packets
         Of the two journals.
+    items : ndarray of ITEM
+    stretches : ndarray of STRETCH
     network, placed
         As of `place`.
     r, tables, work, columns

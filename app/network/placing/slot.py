@@ -125,8 +125,10 @@ class Packets(NamedTuple):
 
     Attributes
     ----------
+    data : ndarray of uint8
+        The packets, one after the other.
     counts, numbers : ndarray of int16 and float32
-        The same memory.
+        The memory of `data`.
     tables : ndarray of uint32, shape (8, 256)
         `crc.TABLES`.
     """

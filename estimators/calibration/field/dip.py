@@ -17,6 +17,8 @@ from estimators.recording import Float
 _LEAST_TURNED: Final = 0.03
 """Share of a turn about the axis that was turned about least: less says nothing about iron along it."""
 _LEAST_WINDOWS: Final = 3
+_MANY_WINDOWS: Final = 8
+"""So many that all point one way leave no doubt of it."""
 _MOST_WINDOWS: Final = 100
 """With so many it is known; a session goes on for hours."""
 _MOST: Final = 0.8
@@ -106,5 +108,9 @@ class Dip:
 
 
 def _differ(sines: Float) -> bool:
+    """Return whether another window might point the other way: they scatter, and are few or of both signs."""
     found = np.median(sines)
+    if len(sines) >= _MANY_WINDOWS and (np.sign(sines) == np.sign(found)).all():
+        # Two places with a field each, both pointing one way.
+        return False
     return bool(abs(found) <= _SURE * np.quantile(np.abs(sines - found), _MOST))

@@ -160,7 +160,7 @@ class Readings:
         if not self.field_t:
             return 0.0
         sine = self.dip.sine()
-        if math.isnan(sine) and (product := self.still_product) is not None:
+        if not self.dip.is_bent and math.isnan(sine) and (product := self.still_product) is not None:
             sine = -float(np.trace(product))
         return math.nan if math.isnan(sine) else math.asin(min(max(sine, -1.0), 1.0))
 

@@ -445,6 +445,7 @@ def test_an_hdf5_of_sensors_is_named_and_its_export_too(tmp_path: Path) -> None:
         ),
         (b'{"ping":{"deviceName":"a"}}\n', ".json", "json"),
         (b"\xfa\xff\x36\x10\x00\x00", ".csv", "mtb"),
+        (b"\x80\x05\x95\x10\x00\x00", ".csv", "data_frame"),
         (b"<?xml version='1.0'?><mvnx version='4'>", ".xml", "mvnx"),
         (b"<!DOCTYPE html><html>", ".c3d", "web_page"),
         (b"results\nnRows=2\nendheader\ntime\n", ".sto", "opensim"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estimators.calibration import RecordingCheck, check_recording
+from estimators.calibration.field.dip import _differ
 from estimators.calibration.plausibility.explanation import Explanation, explain
 from estimators.magnetic import perpendicular_source
 from estimators.recording import ImuChunk
@@ -72,6 +73,25 @@ def test_an_accelerometer_read_at_the_end_of_a_step_has_no_offset(seed):
 def test_what_a_sound_device_and_an_ordinary_movement_do_is_no_fault(seed):
     """Each was accused: of axes, a gyroscope's unit, axes, a field that varies by 16 %, gravity the other way round."""
     assert accusations(sound_recording(seed)) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("sines", "is_in_doubt"),
+    [
+        pytest.param(
+            [-0.52, -0.51, -0.51, -0.51, -0.52, -0.45, -0.34, -0.21, -0.15, -0.16], False, id="two places"
+        ),
+        pytest.param(
+            [-0.54, -0.65, -0.65, -0.38, -0.64, -0.63, -0.16, -0.17, -0.65, -0.21], False, id="two more"
+        ),
+        pytest.param([-0.30, -0.28, -0.31], False, id="one place"),
+        pytest.param([-0.01, -0.24, -0.49, -0.41], True, id="few that scatter"),
+        pytest.param([-0.5, 0.1, -0.4, -0.3, 0.3, -0.2, -0.6, -0.1, 0.2], True, id="either way"),
+    ],
+)
+def test_windows_that_point_one_way_decide_although_they_scatter(sines, is_in_doubt):
+    """Who goes to another table has two fields; reversed gravity is found in both of them."""
+    assert _differ(np.array(sines)) == is_in_doubt
 
 
 def beside_a_source(seed: int) -> ImuChunk:
