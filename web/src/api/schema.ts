@@ -1051,7 +1051,7 @@ export interface paths {
         head?: never;
         /**
          * Change Session
-         * @description Move a session to the patient who did it, or to the exercise that it was; it is compared anew.
+         * @description Move a session to the patient who did it, or to the exercise that it was; it is compared again.
          *
          *     Errors: `conflict` while it is live or being analysed, and where a template of the patient was made from it.
          */
@@ -2255,7 +2255,7 @@ export interface components {
          * @description A whole run, and what it was run with.
          *
          *     `data` names the recordings that were given. The seeds are `first_seed` and those after it; an experiment that was
-         *     measured anew by itself names its own.
+         *     measured again by itself names its own.
          */
         AccuracyReport: {
             /**
