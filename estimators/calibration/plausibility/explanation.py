@@ -135,6 +135,10 @@ def _pace(evidence: Evidence, plain: float, others: float) -> Explanation | None
     fits = bool((paced <= FITS * evidence.windows).all())
     if not fits or plain - cost < DOUBT or cost > others + _NEAR:
         return None
+    # On a quick clock little time passes, in which everything fits: in the time as it is said, to turn so far must do
+    # better than not to turn.
+    if float(evidence.unturned.sum() - both[1].sum()) < DOUBT:
+        return None
     return Explanation(
         frozenset({"gyroscope"}),
         1.0,

@@ -94,6 +94,16 @@ def test_windows_that_point_one_way_decide_although_they_scatter(sines, is_in_do
     assert _differ(np.array(sines)) == is_in_doubt
 
 
+@pytest.mark.parametrize("seed", [320_033, 320_040])
+@pytest.mark.parametrize("change", [-np.eye(3), np.eye(3)[[1, 0, 2]]], ids=["reversed", "exchanged"])
+def test_axes_of_a_walk_are_not_called_a_quick_clock(seed, change):
+    """On a clock five times as quick little time passes, and any turn fits the force of so short a while."""
+    made = sound_recording(seed)
+    turned = replace(made.chunk, gyroscope_radps=made.chunk.gyroscope_radps @ change.T, magnetometer_t=None)
+    found = check_recording(turned, made.names, hemisphere=made.hemisphere)
+    assert {one.subject[1] for one in found} == {"axes"}
+
+
 def beside_a_source(seed: int) -> ImuChunk:
     """The upper arm of the demonstration's magnetic session: it turns about one axis, never rests, and has offsets."""
     motion = relative_motion("shoulder", 45.0, seed)
