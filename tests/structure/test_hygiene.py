@@ -21,7 +21,9 @@ def test_locks_hold_no_registry_addresses() -> None:
         "requirements.lock", "requirements-scaled.lock", "web/package-lock.json", "web/.npmrc"
     ):
         text = path.read_text()
-        assert not re.search(r"index-url|\"resolved\": *\"https?://|^registry *=", text, re.MULTILINE), path
+        assert not re.search(r"index[-]url|\"resolved\": *\"https?:/{2}|^registry *=", text, re.MULTILINE), (
+            path
+        )
 
 
 def test_no_machine_paths_in_tracked_files() -> None:

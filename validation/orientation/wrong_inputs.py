@@ -135,9 +135,6 @@ def _is_shown(kind: str, triad: str, change: Change, movement: _Movement, chunk:
         return movement.has_field
     if "cut off" in kind:
         readings = chunk.gyroscope_radps if triad == "gyroscope" else chunk.accelerometer_mps2
-        # In less time too few samples stand at the level to be more than the peaks of a movement.
-        if chunk.tick_count * chunk.time_step_s < _FEWEST_WINDOWS * _WINDOW_S:
-            return False
         return bool(np.nanmax(np.abs(change(readings))) > _SMALLEST_RANGE[triad])
     if kind.endswith("unit") and triad != "gyroscope":
         return True
@@ -211,8 +208,8 @@ WRONG_INPUTS = Protocol(
     " axes swapped, each axis reversed, or cut off at the level that 3 % of the samples exceed, one at a time. Shown is"
     " the share that is named with the right triad, of the cases that the movement shows: wrong and right readings put"
     " gravity or field more than 20 degrees apart in three windows of six seconds or more, by motion capture or the"
-    " published filter on the sound recording; what is cut off, in recordings as long as these. Recordings are halved"
-    " in turn by name: a threshold that fits one half alone would show.",
+    " published filter on the sound recording. Recordings are halved in turn by name: a threshold that fits one half"
+    " alone would show.",
     figures=(
         *(Figure(f"{kind}, {half} half", "%", 95.0, at_most=False) for kind in _KINDS for half in HALVES),
         Figure("sound recordings refused", "%", 0.0),
