@@ -159,10 +159,19 @@ class Readings:
         """How steeply the field points down, zero without a field; NaN while that is not known."""
         if not self.field_t:
             return 0.0
-        sine = self.dip.sine()
-        if not self.dip.is_bent and math.isnan(sine) and (product := self.still_product) is not None:
-            sine = -float(np.trace(product))
+        sine, _ = self.dip_sine()
         return math.nan if math.isnan(sine) else math.asin(min(max(sine, -1.0), 1.0))
+
+    def dip_sine(self) -> tuple[float, bool]:
+        """Return the sine of the angle by which the field points down, NaN while unknown, and whether movement says it.
+
+        At rest nothing separates the field of the room from that of iron on the sensor. Where movement finds that iron
+        in the room bends the field, rest beside it says no more.
+        """
+        sine, product = self.dip.sine(), self.still_product
+        if not math.isnan(sine) or product is None or self.dip.is_bent:
+            return sine, not math.isnan(sine)
+        return -float(np.trace(product)), False
 
     def add_freezes(self, lost: NDArray[np.bool_] | None, step_s: float) -> None:
         """Take which samples of a stretch lost their field alone, None for none; one freeze may go on from the last."""

@@ -304,12 +304,7 @@ class Verdict:
     def _sign(self, hemisphere: Hemisphere) -> None:
         if any(f.code.endswith("_axes") or f.code == "gyroscope_unit" for f in self.found):
             return
-        if self.readings.dip.is_bent:
-            return
-        down, severity = self.readings.dip.sine(), "refuse"
-        if math.isnan(down) and (product := self.readings.still_product) is not None:
-            # At rest nothing separates the field of the room from that of iron on the sensor.
-            down, severity = -float(np.trace(product)), "warning"
+        down, is_certain = self.readings.dip_sine()
         if hemisphere == "south":
             down = -down
         if down < -_LEAST_DIP_SINE:
@@ -319,7 +314,7 @@ class Verdict:
                 if hemisphere == "north"
                 else say("readings.field_down", where=[self.name], angle_rad=angle_rad)
             )
-            self._tell("gravity_reversed", message, down, "refuse" if severity == "refuse" else "warning")
+            self._tell("gravity_reversed", message, down, "refuse" if is_certain else "warning")
 
 
 def _unit_message(where: list[str], factor: float) -> Sentence:
