@@ -1,8 +1,8 @@
-"""The one decorator of compiled loops, and scalar quaternion helpers that they inline.
+"""Decorators of compiled loops and of their steps, and scalar quaternion helpers that they take in.
 
 A kernel is compiled when it is first called, for one explicit signature over C-contiguous float64, and stored in
-numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or one that it
-imports, changes.
+numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until anything changes that goes into
+its machine code. A step becomes part of each kernel that calls it.
 
 Helpers take and give scalars in tuples, so that no array is made inside a loop. Quaternions are wxyz.
 """
@@ -16,22 +16,38 @@ from estimators.compiling import compiled
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def kernel(signature: str, *, inlined: bool = False) -> Callable[[F], F]:
-    """Compile a loop for one signature: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
+def kernel(signature: Any) -> Callable[[F], F]:
+    """Compile a loop that Python calls: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
 
     Parameters
     ----------
-    signature : str
-        Numba type string, for instance `"void(float64[:, ::1], float64)"`.
-    inlined : bool
-        Always put the code into its caller, for steps of a loop that the compiler finds too large for it.
+    signature : str, numba signature or list of them
+        For instance `"void(float64[:, ::1], float64)"`.
 
     Returns
     -------
     callable
         Decorator; the plain Python function stays reachable as `.py_func` for tests.
     """
-    return compiled(signature, forceinline=inlined)
+    return compiled(signature)
+
+
+def step(signature: Any = None, *, inlined: bool = False) -> Callable[[F], F]:
+    """Lower a function into the kernels that call it; otherwise as `kernel`.
+
+    Parameters
+    ----------
+    signature : str or numba signature, optional
+        Without, the types are those that its callers hand over.
+    inlined : bool
+        Always put the code into its caller, where the compiler finds it too large for that.
+
+    Returns
+    -------
+    callable
+        Decorator; the plain Python function stays reachable as `.py_func`.
+    """
+    return compiled(signature, is_entry=False, forceinline=inlined)
 
 
 Scalars3 = tuple[float, float, float]
@@ -45,7 +61,7 @@ SMALL_ANGLE_RAD = 1e-4
 """Below this a two-term series is exact to the last bit: the next term is under angle^4 / 120 = 1e-18."""
 
 
-@kernel(f"{_QUATERNION}({', '.join([_F] * 8)})", inlined=True)
+@step(f"{_QUATERNION}({', '.join([_F] * 8)})", inlined=True)
 def multiply(
     pw: float, px: float, py: float, pz: float, qw: float, qx: float, qy: float, qz: float
 ) -> Scalars4:
@@ -58,7 +74,7 @@ def multiply(
     )
 
 
-@kernel(f"{_VECTOR}({', '.join([_F] * 7)})")
+@step(f"{_VECTOR}({', '.join([_F] * 7)})")
 def rotate(w: float, x: float, y: float, z: float, vx: float, vy: float, vz: float) -> Scalars3:
     """Rotate the vector v by the unit quaternion."""
     tx = 2.0 * (y * vz - z * vy)
@@ -71,13 +87,13 @@ def rotate(w: float, x: float, y: float, z: float, vx: float, vy: float, vz: flo
     )
 
 
-@kernel(f"{_VECTOR}({', '.join([_F] * 7)})")
+@step(f"{_VECTOR}({', '.join([_F] * 7)})")
 def rotate_back(w: float, x: float, y: float, z: float, vx: float, vy: float, vz: float) -> Scalars3:
     """Rotate the vector v by the conjugate of the unit quaternion."""
     return rotate(w, -x, -y, -z, vx, vy, vz)
 
 
-@kernel(f"{_QUATERNION}(float64, float64, float64)")
+@step(f"{_QUATERNION}(float64, float64, float64)")
 def exponential(rx: float, ry: float, rz: float) -> Scalars4:
     """Return the unit quaternion of a rotation vector in radians."""
     angle = math.sqrt(rx * rx + ry * ry + rz * rz)
@@ -86,7 +102,7 @@ def exponential(rx: float, ry: float, rz: float) -> Scalars4:
     return math.cos(0.5 * angle), rx * scale, ry * scale, rz * scale
 
 
-@kernel(f"{_QUATERNION}(float64, float64, float64, float64)")
+@step(f"{_QUATERNION}(float64, float64, float64, float64)")
 def normalized(w: float, x: float, y: float, z: float) -> Scalars4:
     """Return the quaternion at unit norm; the zero quaternion becomes the identity."""
     norm = math.sqrt(w * w + x * x + y * y + z * z)
@@ -95,7 +111,7 @@ def normalized(w: float, x: float, y: float, z: float) -> Scalars4:
     return w / norm, x / norm, y / norm, z / norm
 
 
-@kernel("float64(float64)")
+@step("float64(float64)")
 def wrapped(angle: float) -> float:
     """Bring an angle to the interval [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))

@@ -55,6 +55,8 @@ def validate(
     """
     if out is not None and into is not None:
         raise InvalidInput("give --out or --into, not both")
+    if into is not None and not into.is_file():
+        raise InvalidInput(f"there is no report {into}; --out writes a new one")
     if list_only:
         for protocol in validation.protocols():
             typer.echo(f"{protocol.name:<32} {protocol.title}")
@@ -65,6 +67,8 @@ def validate(
         raise InvalidInput(
             f"no protocol {', '.join(sorted(unknown))}; `telemotion validate --list` names them all"
         )
+    # Before minutes or hours of measuring: what cannot be read or written is said now.
+    earlier = AccuracyReport.model_validate_json(into.read_bytes()) if into is not None else None
     recordings = _recordings(data) if data else None
     first = fresh_seed() if first_seed is None else first_seed
     drawn = range(first, first + seeds)
@@ -73,8 +77,8 @@ def validate(
     )
     words = _command(names, seeds, first_seed, data)
     report = make_report(results, seeds=seeds, first_seed=first, command=words, data=sorted(recordings or {}))
-    if into is not None:
-        report = renewed(AccuracyReport.model_validate_json(into.read_bytes()), report)
+    if earlier is not None:
+        report = renewed(earlier, report)
     if target := into or out:
         target.write_text(report.model_dump_json(indent=1) + "\n", encoding="utf-8")
     if json:

@@ -48,7 +48,7 @@ _UNKNOWN_VARIANCE = math.pi**2 / 3.0
 """Variance of a heading about which nothing is known."""
 
 
-@kernel("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1], f8, i8, i8)")
+@step("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1], f8, i8, i8)")
 def _between(parent: Float, child: Float, offset: float, u: int, v: int) -> tuple[float, float]:
     """Return cosine between an axis of each after the heading turn, and its derivative by the offset."""
     cosine, sine = math.cos(offset), math.sin(offset)
@@ -59,7 +59,7 @@ def _between(parent: Float, child: Float, offset: float, u: int, v: int) -> tupl
     ] * y
 
 
-@kernel("f8(f8[:, ::1], f8[:, ::1], f8, i8, i8, f8[::1], f8[::1])")
+@step("f8(f8[:, ::1], f8[:, ::1], f8, i8, i8, f8[::1], f8[::1])")
 def predict_constraint(
     parent: Float, child: Float, offset: float, u: int, v: int, x: Float, row: Float
 ) -> float:
@@ -83,7 +83,7 @@ def predict_constraint(
     return float(value + tilts + x[CONSTANT_STATE] + x[POSTURE_STATE])
 
 
-@kernel("f8(f8[::1], f8[::1])")
+@step("f8(f8[::1], f8[::1])")
 def _travelled(relative: Float, last: Float) -> float:
     """Angle between two relative orientations, and the newer one retained; nought for the first."""
     if last[0] != last[0]:
@@ -98,7 +98,7 @@ def _travelled(relative: Float, last: Float) -> float:
     return angle
 
 
-@kernel("void(f8[:, ::1], f8[::1], f8[::1], f8)")
+@step("void(f8[:, ::1], f8[::1], f8[::1], f8)")
 def _predict(p: Float, x: Float, par: Float, interval: float) -> None:
     """Let the offset drift for one interval."""
     keep = math.exp(-interval / par[DRIFT_TIME])
@@ -114,7 +114,7 @@ def _predict(p: Float, x: Float, par: Float, interval: float) -> None:
     p[OFFSET_STATE, OFFSET_STATE] += par[WALK] ** 2 * interval
 
 
-@kernel("f8(f8[:, ::1], f8[::1], f8[::1], f8, f8, b1)")
+@step("f8(f8[:, ::1], f8[::1], f8[::1], f8, f8, b1)")
 def _correct(p: Float, x: Float, row: Float, value: float, noise: float, is_sensitive: bool) -> float:
     """Measure nought and return the normalised innovation; without sensitivity offset and drift stay as they are.
 

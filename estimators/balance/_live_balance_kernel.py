@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.recording import Float
 
 APART, STATES = 3, 4
@@ -57,7 +57,7 @@ _STOOD_S = 0.75
 _LEVEL_S = 1.0
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64, float64, boolean)", inlined=True)
+@step("void(float64[::1], float64[:, ::1], float64[:, ::1], float64, float64, boolean)", inlined=True)
 def _predict(settings: Float, x: Float, p: Float, now_x: float, now_y: float, moves: bool) -> None:
     """Go one step on: `c'' = a - b`, the acceleration linear between samples."""
     h = settings[S_STEP]
@@ -78,7 +78,7 @@ def _predict(settings: Float, x: Float, p: Float, now_x: float, now_y: float, mo
         p[APART, APART] += settings[S_WANDER2] * h
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64, float64, float64)", inlined=True)
+@step("void(float64[:, ::1], float64[:, ::1], float64[::1], float64, float64, float64)", inlined=True)
 def _measure(x: Float, p: Float, row: Float, value_x: float, value_y: float, variance: float) -> None:
     """Update both axes with `row` times the state."""
     spread = np.empty(STATES)
@@ -101,7 +101,7 @@ def _measure(x: Float, p: Float, row: Float, value_x: float, value_y: float, var
             p[c, r] = p[r, c]
 
 
-@kernel("float64(float64[:, :, :, ::1], int64, float64, float64, float64, float64, float64[:, ::1])")
+@step("float64(float64[:, :, :, ::1], int64, float64, float64, float64, float64, float64[:, ::1])")
 def _margin(corners: Float, k: int, shift_x: float, shift_y: float, x: float, y: float, hull: Float) -> float:
     """Return how far inside the hull of the corners a point lies; NaN with fewer than three corners."""
     count = 0
@@ -149,7 +149,7 @@ def _margin(corners: Float, k: int, shift_x: float, shift_y: float, x: float, y:
     return inside if inside >= 0.0 else -nearest
 
 
-@kernel("void(float64[::1], float64[::1], float64, boolean)")
+@step("void(float64[::1], float64[::1], float64, boolean)")
 def _weigh(settings: Float, memory: Float, raw_n: float, both: bool) -> None:
     """Take the mean load over blocks of two seconds for the weight; who sat before has stood up by the next."""
     if not both:
@@ -168,7 +168,7 @@ def _weigh(settings: Float, memory: Float, raw_n: float, both: bool) -> None:
         memory[BLOCK_SUM], memory[BLOCK_COUNT] = 0.0, 0.0
 
 
-@kernel("void(float64[::1], float64[::1], float64, float64)")
+@step("void(float64[::1], float64[::1], float64, float64)")
 def _climb(settings: Float, memory: Float, up_mps2: float, level_m: float) -> None:
     """Integrate the vertical twice with a pull back to its mean, and follow the level of the floor."""
     h, pull = settings[S_STEP], settings[S_PULL]
@@ -182,7 +182,7 @@ def _climb(settings: Float, memory: Float, up_mps2: float, level_m: float) -> No
     memory[LEVEL] += h / _LEVEL_S * (level_m - memory[LEVEL])
 
 
-@kernel(
+@step(
     "void(float64[::1], float64[:, :, ::1], float64[:, :, :, ::1], uint8[:, ::1], float64[:, ::1], float64[:, ::1],"
     " float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
 )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, rotate, rotate_back, wrapped
+from estimators._kernels import kernel, multiply, rotate, rotate_back, step, wrapped
 from estimators.recording import Float
 
 WINDOW = 5
@@ -36,7 +36,7 @@ FOOT = ALONE + 1
 O_PLACE, O_COURSE, O_PLACED, O_TOE_OUT, O_LENGTH, O_Q, O_LOST, O_JOINED, OUT = 0, 3, 4, 5, 6, 7, 11, 12, 13
 
 
-@kernel("UniTuple(float64, 3)(float64[::1])")
+@step("UniTuple(float64, 3)(float64[::1])")
 def _forward(m: Float) -> tuple[float, float, float]:
     """Return where the toes are in the sensor's axes: across the axis about which the foot rolls."""
     ux, uy, uz = m[UP], m[UP + 1], m[UP + 2]
@@ -66,7 +66,7 @@ def _forward(m: Float) -> tuple[float, float, float]:
     return fx, fy, fz
 
 
-@kernel("void(float64[::1], float64, float64, float64, float64[::1])")
+@step("void(float64[::1], float64, float64, float64, float64[::1])")
 def _placed(m: Float, x: float, y: float, z: float, out: Float) -> None:
     """Write a place of the foot's own world in the room."""
     c, s = math.cos(m[COURSE]), math.sin(m[COURSE])
@@ -76,7 +76,7 @@ def _placed(m: Float, x: float, y: float, z: float, out: Float) -> None:
     out[2] = m[ANCHOR_ROOM + 2] + z - m[ANCHOR_WORLD + 2]
 
 
-@kernel("void(float64[::1], float64, float64, float64)")
+@step("void(float64[::1], float64, float64, float64)")
 def _anchor(m: Float, x: float, y: float, z: float) -> None:
     """Turn later changes of the course about this place, so that the foot does not jump."""
     place = np.empty(3)
@@ -85,7 +85,7 @@ def _anchor(m: Float, x: float, y: float, z: float) -> None:
     m[ANCHOR_ROOM], m[ANCHOR_ROOM + 1], m[ANCHOR_ROOM + 2] = place[0], place[1], place[2]
 
 
-@kernel("UniTuple(float64, 3)(float64[::1])")
+@step("UniTuple(float64, 3)(float64[::1])")
 def _window(m: Float) -> tuple[float, float, float]:
     """Return direction and length of the way over the last footholds, and how far the foot turned in them."""
     count = min(int(m[COUNT]), WINDOW)
@@ -97,7 +97,7 @@ def _window(m: Float) -> tuple[float, float, float]:
     return math.atan2(dy, dx), math.sqrt(dx * dx + dy * dy), most
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def _begin_anew(m: Float, p: Float) -> None:
     """Begin after a long gap where the foot was lost: nothing is known of the strides in it."""
     _anchor(m, p[0], p[1], p[2])
@@ -105,7 +105,7 @@ def _begin_anew(m: Float, p: Float) -> None:
     m[LOST], m[ALONE] = 1.0, 1.0
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
+@step("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
 def _join(settings: Float, m: Float, feet: Float, other: int, outward: float) -> None:
     """Put a foot that was lost beside the other, where both go straight and have made a stride.
 
@@ -140,7 +140,7 @@ def _join(settings: Float, m: Float, feet: Float, other: int, outward: float) ->
     its[ALONE] = 0.0
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
+@step("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
 def _new_foothold(settings: Float, m: Float, feet: Float, other: int, outward: float) -> None:
     """Take note of a stance that has ended: stride, foot angle, and what it says about the course."""
     x, y, z = m[SUM] / m[STOOD], m[SUM + 1] / m[STOOD], m[SUM + 2] / m[STOOD]

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait.foot import layout as at
 from estimators.recording import Float
@@ -76,7 +76,7 @@ def stance_statistic(
         )
 
 
-@kernel("void(float64[::1], int64, int64, int64, int64, int64, int64, float64, float64[::1])")
+@step("void(float64[::1], int64, int64, int64, int64, int64, int64, float64, float64[::1])")
 def moving_percentile(
     statistic: Float,
     origin: int,
@@ -137,7 +137,7 @@ def moving_percentile(
         reference[k - origin] = value
 
 
-@kernel("void(float64[::1], int64, int64, int64, int64, int64, int64, float64[::1])")
+@step("void(float64[::1], int64, int64, int64, int64, int64, int64, float64[::1])")
 def moving_highest(
     statistic: Float, origin: int, first: int, stop: int, stride: int, before: int, after: int, highest: Float
 ) -> None:
@@ -157,7 +157,7 @@ def moving_highest(
         highest[k - origin] = value
 
 
-@kernel("void(float64[::1], boolean[::1], int64, int64, int64, boolean[::1])")
+@step("void(float64[::1], boolean[::1], int64, int64, int64, boolean[::1])")
 def local_minimum(
     statistic: Float, allowed: NDArray[np.bool_], first: int, stop: int, half: int, found: NDArray[np.bool_]
 ) -> None:

@@ -1,5 +1,6 @@
 """Shared parts of compiled filters: records, small linear algebra, and the error-state core of models."""
 
+from estimators._kernels import step
 from estimators.kernels._angles import arcsine, direction, turn
 from estimators.kernels._borrowing import borrowing
 from estimators.kernels._error_state import BASE, Matrix, absorb, attitude_seen, inject, predict, turn_by_rate
@@ -14,7 +15,6 @@ from estimators.kernels._records import (
     restored,
     rows,
     single,
-    step,
 )
 
 __all__ = [

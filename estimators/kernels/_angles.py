@@ -3,12 +3,12 @@
 import math
 from typing import Final
 
-from estimators._kernels import Scalars4, kernel
+from estimators._kernels import Scalars4, step
 
 _EIGHTH: Final = math.tan(math.pi / 8)
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64)", inlined=True)
+@step("UniTuple(float64, 4)(float64, float64, float64)", inlined=True)
 def turn(rx: float, ry: float, rz: float) -> Scalars4:
     """Return the unit quaternion of a rotation vector; below half a radian by series exact to 1e-16."""
     square = 0.25 * (rx * rx + ry * ry + rz * rz)
@@ -42,7 +42,7 @@ def turn(rx: float, ry: float, rz: float) -> Scalars4:
     return math.cos(half), rx * scale, ry * scale, rz * scale
 
 
-@kernel("float64(float64)", inlined=True)
+@step("float64(float64)", inlined=True)
 def arcsine(sine: float) -> float:
     """Return asin of what lies within one, exact to 2e-16, without a call.
 
@@ -70,7 +70,7 @@ def arcsine(sine: float) -> float:
     return -angle if sine < 0.0 else angle
 
 
-@kernel("float64(float64, float64)", inlined=True)
+@step("float64(float64, float64)", inlined=True)
 def direction(y: float, x: float) -> float:
     """Return atan2(y, x) of finite numbers to a relative 4e-16, with one division and no call; zero where both are.
 

@@ -14,8 +14,8 @@ from estimators.compiling import compiled
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def borrowing(signature: Any = None, *, inlined: bool = False) -> Callable[[F], F]:
-    """Compile a step that makes no array and returns none; otherwise as `kernel` with a signature, `step` without.
+def borrowing(signature: Any = None, *, inlined: bool = False, is_entry: bool = False) -> Callable[[F], F]:
+    """Compile a step that makes no array and returns none; otherwise as `step`, or as `kernel` where it is an entry.
 
     Parameters
     ----------
@@ -23,10 +23,12 @@ def borrowing(signature: Any = None, *, inlined: bool = False) -> Callable[[F], 
         Without, the types are those that the kernels which call it hand over.
     inlined : bool
         Always put the code into its caller.
+    is_entry : bool
+        Python calls it, or a kernel by its address.
 
     Returns
     -------
     callable
         Decorator; the plain Python function stays reachable as `.py_func`.
     """
-    return compiled(signature, forceinline=inlined, _nrt=False)
+    return compiled(signature, is_entry=is_entry, forceinline=inlined, _nrt=False)

@@ -12,9 +12,9 @@ takes the errors that were gathered out of the estimate.
 
 from typing import Final
 
-from estimators._kernels import Scalars3, kernel, multiply
+from estimators._kernels import Scalars3, multiply, step
 from estimators.kernels._angles import turn
-from estimators.kernels._records import Record, step
+from estimators.kernels._records import Record
 from estimators.recording import Float
 
 _BIAS: Final = 3
@@ -49,7 +49,7 @@ def turn_by_rate(x: Record, rx: float, ry: float, rz: float, step_s: float) -> M
     )
 
 
-@kernel("void(float64[:, ::1], UniTuple(float64, 9), float64, float64)", inlined=True)
+@step("void(float64[:, ::1], UniTuple(float64, 9), float64, float64)", inlined=True)
 def predict(p: Float, turned: Matrix, noise: float, drift: float) -> None:
     """P' = F P F' + Q with F = [[I, -T R], [0, I]] over orientation and bias.
 
@@ -84,7 +84,7 @@ def predict(p: Float, turned: Matrix, noise: float, drift: float) -> None:
     p[x, x], p[y, y], p[z, z] = b00 + drift, b11 + drift, b22 + drift
 
 
-@kernel("void(float64[:, ::1], UniTuple(float64, 3), float64[::1])", inlined=True)
+@step("void(float64[:, ::1], UniTuple(float64, 3), float64[::1])", inlined=True)
 def attitude_seen(p: Float, row: Scalars3, h: Float) -> None:
     """Write h = P H' of a measurement with this row on the orientation error alone."""
     a, b, c = row
@@ -95,7 +95,7 @@ def attitude_seen(p: Float, row: Scalars3, h: Float) -> None:
         h[k] = a * p[0, k] + b * p[1, k] + c * p[2, k]
 
 
-@kernel("void(float64[:, ::1], float64[::1], float64[::1], float64, float64, float64)", inlined=True)
+@step("void(float64[:, ::1], float64[::1], float64[::1], float64, float64, float64)", inlined=True)
 def absorb(p: Float, errors: Float, h: Float, residual: float, inverse: float, own: float) -> None:
     """Take a scalar measurement with h = P H', its residual and 1 / S: P - h h' / S; the errors gather h residual / S.
 

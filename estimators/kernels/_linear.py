@@ -1,6 +1,6 @@
 """Linear algebra of small matrices inside compiled loops."""
 
-from estimators.kernels._records import step
+from estimators._kernels import step
 from estimators.recording import Float
 
 

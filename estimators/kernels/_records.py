@@ -7,18 +7,16 @@ Numba refuses a nested array where a kernel's signature says `float64[::1]`. So 
 records, and what kernels pass on whole, as a covariance, is an array of its own with sensors leading.
 """
 
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Mapping
+from typing import Any
 
 import numba
 import numpy as np
 from numba import types
 from numpy.typing import DTypeLike, NDArray
 
-from estimators.compiling import compiled
 from estimators.errors import SetupError, ShapeError
 
-F = TypeVar("F", bound=Callable[..., Any])
 Record = Any
 """One record inside a kernel; the dtype that its documentation names says what it holds."""
 Fields = list[tuple[str, Any] | tuple[str, Any, int]]
@@ -43,11 +41,6 @@ def single(kind: DTypeLike) -> Any:
 def bundle(kind: type[Any], *columns: Any) -> Any:
     """Return numba's type of a named tuple of arrays, which says once what a kernel reads or writes."""
     return types.NamedTuple(columns, kind)
-
-
-def step(*, inlined: bool = False) -> Callable[[F], F]:
-    """Compile a step of a filter for the records that the kernels which call it hand over."""
-    return compiled(forceinline=inlined)
 
 
 def filled(kind: np.dtype[Any], values: Mapping[str, Any]) -> NDArray[Any]:

@@ -2,11 +2,11 @@
 
 import math
 
-from estimators._kernels import Scalars3, exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import Scalars3, exponential, multiply, normalized, rotate, step
 from estimators.recording import Float
 
 
-@kernel("UniTuple(float64, 3)(float64, float64, float64, float64)")
+@step("UniTuple(float64, 3)(float64, float64, float64, float64)")
 def logarithm(w: float, x: float, y: float, z: float) -> Scalars3:
     """Return the rotation vector of a unit quaternion, rad, the shorter way round."""
     sign = 1.0 if w >= 0.0 else -1.0
@@ -15,14 +15,14 @@ def logarithm(w: float, x: float, y: float, z: float) -> Scalars3:
     return sign * scale * x, sign * scale * y, sign * scale * z
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def turn_between(q: Float, other: Float, out: Float) -> None:
     """Write Log(q other^-1): the turn, in the world, that takes `other` to `q`."""
     a = multiply(q[0], q[1], q[2], q[3], other[0], -other[1], -other[2], -other[3])
     out[0], out[1], out[2] = logarithm(a[0], a[1], a[2], a[3])
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def turn_in_world(q: Float, turn: Float) -> None:
     """Replace q by Exp(turn) q."""
     t = exponential(turn[0], turn[1], turn[2])
@@ -30,7 +30,7 @@ def turn_in_world(q: Float, turn: Float) -> None:
     q[0], q[1], q[2], q[3] = normalized(a[0], a[1], a[2], a[3])
 
 
-@kernel("void(float64[::1], float64[:, ::1])")
+@step("void(float64[::1], float64[:, ::1])")
 def attitude_matrix(q: Float, out: Float) -> None:
     """Write the matrix that turns a vector as q does, shape (3, 3)."""
     for j in range(3):

@@ -6,7 +6,7 @@ returns in `moved` it injects into its state. So differences are taken where sta
 2.4), and the covariance is the a priori one, which needs no measurement.
 """
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.kernels.matrices import cholesky, matrix_multiply, multiply_turned, solve_rows, symmetrise
 from estimators.recording import Float
 
@@ -14,7 +14,7 @@ _LEAST_VARIANCE = 1e-16
 """Added to the predicted covariance: states without noise of their own leave it only just positive."""
 
 
-@kernel(
+@step(
     "boolean(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
     "float64[:, :, ::1])"
 )

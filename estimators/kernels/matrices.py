@@ -2,11 +2,11 @@
 
 import math
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.recording import Float
 
 
-@kernel("boolean(float64[:, ::1])")
+@step("boolean(float64[:, ::1])")
 def cholesky(a: Float) -> bool:
     """Replace the lower triangle of a symmetric matrix by its Cholesky factor; false if it is not positive."""
     n = a.shape[0]
@@ -26,7 +26,7 @@ def cholesky(a: Float) -> bool:
     return True
 
 
-@kernel("void(float64[:, ::1], float64[::1])")
+@step("void(float64[:, ::1], float64[::1])")
 def solve(factor: Float, b: Float) -> None:
     """Solve with a Cholesky factor, in place."""
     n = factor.shape[0]
@@ -42,14 +42,14 @@ def solve(factor: Float, b: Float) -> None:
         b[i] = total / factor[i, i]
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1])")
+@step("void(float64[:, ::1], float64[:, ::1])")
 def solve_rows(factor: Float, rows: Float) -> None:
     """Solve for every row of a matrix, in place: `rows` becomes rows times the inverse."""
     for i in range(rows.shape[0]):
         solve(factor, rows[i])
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
+@step("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
 def matrix_multiply(a: Float, b: Float, out: Float) -> None:
     """Write a times b; zeros of a are passed over, for transitions are mostly zero."""
     for i in range(a.shape[0]):
@@ -62,7 +62,7 @@ def matrix_multiply(a: Float, b: Float, out: Float) -> None:
                     out[i, j] += value * b[k, j]
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
+@step("void(float64[:, ::1], float64[:, ::1], float64[:, ::1])")
 def multiply_turned(a: Float, b: Float, out: Float) -> None:
     """Write a times the transpose of b."""
     for i in range(a.shape[0]):
@@ -73,7 +73,7 @@ def multiply_turned(a: Float, b: Float, out: Float) -> None:
             out[i, j] = total
 
 
-@kernel("void(float64[:, ::1])")
+@step("void(float64[:, ::1])")
 def symmetrise(a: Float) -> None:
     """Take the mean of a matrix and its transpose."""
     for i in range(a.shape[0]):
@@ -83,7 +83,7 @@ def symmetrise(a: Float) -> None:
             a[j, i] = mean
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])")
+@step("void(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])")
 def joseph(p: Float, h: Float, r: Float, gain: Float, work: Float) -> None:
     """Replace P by (I - K H) P (I - K H)^T + K R K^T and symmetrise.
 

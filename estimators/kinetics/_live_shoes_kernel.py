@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, rotate, wrapped
+from estimators._kernels import multiply, rotate, step, wrapped
 from estimators.recording import Float
 
 MEASURED, UNTARED, MISSING, IMPLAUSIBLE = 0, 1, 2, 3
@@ -30,7 +30,7 @@ _SOLE = 4
 """Corners of the heel's sole; those of the forefoot's follow."""
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64)")
+@step("void(float64[::1], float64[::1], float64[::1], float64)")
 def _follow_swing(settings: Float, m: Float, load: Float, speed: float) -> None:
     """Find the zero of both cells in the middle of a swing."""
     m[PEAK] = max(m[PEAK], speed)
@@ -59,7 +59,7 @@ def _follow_swing(settings: Float, m: Float, load: Float, speed: float) -> None:
         m[LAST_PEAK], m[PEAK], m[SWINGING], m[COUNTED] = m[PEAK], 0.0, 0.0, 0.0
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1], int64, float64, float64, boolean)")
+@step("void(float64[::1], float64[::1], float64[:, ::1], int64, float64, float64, boolean)")
 def _judge(
     settings: Float, m: Float, shoes: Float, other: int, up_n: float, other_mps: float, stands: bool
 ) -> None:
@@ -80,12 +80,12 @@ def _judge(
         m[SINGLE_SUM], m[SINGLE_COUNT] = 0.0, 0.0
 
 
-@kernel("boolean(float64, boolean)")
+@step("boolean(float64, boolean)")
 def _touches(up_n: float, before: bool) -> bool:
     return up_n > _ON_N or (before and up_n >= _OFF_N)
 
 
-@kernel(
+@step(
     "void(float64[::1], float64[:, :, ::1], float64[:, :, :, ::1], float64[:, :, ::1], float64[:, ::1],"
     " float64[:, ::1], uint8[:, ::1], float64[:, ::1], float64[:, :, ::1], float64[:, :, :, ::1],"
     " float64[:, ::1])"

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 from estimators.recording import Float
 
 MU0_TM_PER_A = 4e-7 * math.pi
@@ -28,7 +28,7 @@ _CLOSE = 1e-9
 """Relative gap of the two means at which the next step is exact to the last bit (convergence is quadratic)."""
 
 
-@kernel("UniTuple(float64, 2)(float64)")
+@step("UniTuple(float64, 2)(float64)")
 def elliptic(complementary: float) -> tuple[float, float]:
     """Return K and s = (1 - m/2 - E/K)/m^2 of the complementary parameter 1 - m in (0, 1]."""
     m = 1.0 - complementary
@@ -49,7 +49,7 @@ def elliptic(complementary: float) -> tuple[float, float]:
     return math.pi / (a + b), total
 
 
-@kernel(f"{_NINE}(float64, float64, float64, float64, float64, float64, float64, float64)")
+@step(f"{_NINE}(float64, float64, float64, float64, float64, float64, float64, float64)")
 def loop_field(
     ampere_turns: float,
     radius: float,
@@ -116,7 +116,7 @@ def loop_field(
     )
 
 
-@kernel(f"{_NINE}(float64, float64, float64, float64, float64, float64, float64)")
+@step(f"{_NINE}(float64, float64, float64, float64, float64, float64, float64)")
 def dipole_field(
     moment: float, dx: float, dy: float, dz: float, nx: float, ny: float, nz: float
 ) -> FieldAndGradient:
@@ -140,7 +140,7 @@ def dipole_field(
     )
 
 
-@kernel(f"{_NINE}(float64[:, ::1], float64, float64, float64, float64, float64)")
+@step(f"{_NINE}(float64[:, ::1], float64, float64, float64, float64, float64)")
 def coil_field(
     loops: Float, coil: float, current: float, px: float, py: float, pz: float
 ) -> FieldAndGradient:

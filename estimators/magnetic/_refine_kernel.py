@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import exponential, kernel, multiply, normalized, rotate_back
+from estimators._kernels import exponential, kernel, multiply, normalized, rotate_back, step
 from estimators.kernels.matrices import cholesky, solve
 from estimators.magnetic._loop_kernel import coil_field
 from estimators.recording import Float
@@ -18,7 +18,7 @@ _Q, _POSE = 3, 7
 _TURN = 3
 
 
-@kernel(
+@step(
     "float64(float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
     "float64[::1], float64[::1], float64[:, ::1], float64[::1])"
 )
@@ -76,7 +76,7 @@ def normal_equations(
     return cost
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def _move(pose: Float, change: Float, trial: Float) -> None:
     """Write the pose after a step, by no more than 0.2 m."""
     length = math.sqrt(change[0] * change[0] + change[1] * change[1] + change[2] * change[2])

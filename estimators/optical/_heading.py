@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.optical import _layout as at
 from estimators.recording import Float
 
@@ -12,7 +12,7 @@ _DOUBT = 16.0
 """Four sigma, squared."""
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1])")
+@step("void(float64[:, ::1], float64[:, ::1], float64[::1])")
 def doubt_heading(phi: Float, p: Float, settings: Float) -> None:
     """Weaken the way from a heading to velocity and position in a transition, where nothing may have moved.
 

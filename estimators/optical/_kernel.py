@@ -106,7 +106,7 @@ def predict_state(nominal: Float, before: Float, now: Float, settings: Float, ph
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = after
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
+@step("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
 def predict_covariance(p: Float, phi: Float, before: Float, now: Float, settings: Float, work: Float) -> None:
     """Replace P by Phi P Phi^T + Q; the noisier of both samples counts."""
     t = settings[_T]
@@ -130,7 +130,7 @@ def predict_covariance(p: Float, phi: Float, before: Float, now: Float, settings
     symmetrise(p)
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def inject(nominal: Float, error: Float) -> None:
     """Add an error (true minus estimate) to the nominal state."""
     for i in range(3):
@@ -142,7 +142,7 @@ def inject(nominal: Float, error: Float) -> None:
     turn_in_world(nominal[_Q : _Q + 4], error[_ET : _ET + 3])
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def difference(a: Float, b: Float, out: Float) -> None:
     """Write the error that, added to b, gives a."""
     for i in range(3):
@@ -152,7 +152,7 @@ def difference(a: Float, b: Float, out: Float) -> None:
     turn_between(a[_Q : _Q + 4], b[_Q : _Q + 4], out[_ET : _ET + 3])
 
 
-@kernel(
+@step(
     "float64(float64[::1], float64[:, ::1], float64[::1], float64[::1], float64, float64[:, ::1], float64[::1])"
 )
 def update_marker(
@@ -217,7 +217,7 @@ def update_marker(
     return nis
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[:, ::1], float64[::1], float64[::1])")
 def describe(row: Float, nominal: Float, p: Float, settings: Float, out: Float) -> None:
     """Write acceleration and sigmas of a state."""
     b = nominal

@@ -47,7 +47,8 @@ def _mark_back(wild: NDArray[np.uint8], last: int, count: float, verdict: int) -
 
 @borrowing(
     "int64(float64[:, :, :], float64[:, :, :], float64[:, :, :], uint8[:, :], float64, boolean, float64[:, ::1],"
-    "uint8[:, ::1])"
+    "uint8[:, ::1])",
+    is_entry=True,
 )
 def _judge(
     rate_radps: Float,

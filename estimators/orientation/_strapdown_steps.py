@@ -13,7 +13,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from estimators._kernels import Scalars3, Scalars4, kernel, multiply, normalized, rotate
+from estimators._kernels import Scalars3, Scalars4, multiply, normalized, rotate
 from estimators.kernels import VOID, Fields, Record, bundle, record, rows, step
 from estimators.orientation._contract import OrientationFlag
 from estimators.recording import Float, SampleQuality
@@ -122,7 +122,7 @@ _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64)")
+@step("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64)")
 def tilted_to_force(w: float, x: float, y: float, z: float, fx: float, fy: float, fz: float) -> Scalars4:
     """Turn q_earth_sensor by the least angle so that specific force points up; heading is unchanged."""
     ex, ey, ez = rotate(w, x, y, z, fx, fy, fz)
@@ -283,7 +283,7 @@ def keep_acceleration(x: Record, sample: Record, c: Record) -> None:
     x.acceleration[0], x.acceleration[1], x.acceleration[2] = ax, ay, az - c.gravity
 
 
-@kernel("float64(float64)", inlined=True)
+@step("float64(float64)", inlined=True)
 def sigma_of(variance: float) -> float:
     """Return the square root of a variance of an angle, at most half a turn."""
     return min(math.sqrt(max(variance, 0.0)), math.pi)

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from estimators import compiling
-from estimators.compiling import Kernel, NotCompiled, compiled, only_cached
+from estimators.compiling import Kernel, NotCompiled, _kernel, compiled, only_cached
 
 
 def fresh(signature: str | None = "float64(float64)") -> Any:
@@ -43,7 +42,7 @@ def test_other_types_are_converted_or_refused_never_compiled():
     assert len(kernel.signatures) == 1
 
 
-def test_a_kernel_is_readied_by_the_compilation_of_its_caller():
+def test_a_kernel_becomes_part_of_its_caller_and_no_machine_code_of_its_own():
     inner = fresh()
 
     @compiled("float64(float64)")
@@ -51,10 +50,12 @@ def test_a_kernel_is_readied_by_the_compilation_of_its_caller():
         return float(inner(x)) + 1.0
 
     assert outer(2.0) == 5.0
-    assert len(inner.signatures) == 1
+    assert not inner.signatures
+    assert len(inner.part.overloads) == 1
+    assert inner(4.0) == 8.0, "called from Python it is compiled all the same"
 
 
-def test_a_kernel_without_a_signature_takes_what_its_callers_hand_over():
+def test_a_step_without_a_signature_takes_what_its_callers_hand_over():
     inner = fresh(None)
 
     @compiled("float64(float64)")
@@ -62,7 +63,38 @@ def test_a_kernel_without_a_signature_takes_what_its_callers_hand_over():
         return float(inner(x)) + inner(1)
 
     assert outer(2.0) == 6.0
-    assert len(inner.signatures) == 2
+    assert len(inner.part.overloads) == 2
+
+
+def test_a_step_that_several_parts_call_is_linked_wherever_it_is_called():
+    @compiled(is_entry=False)
+    def whole(x: float) -> int:
+        return int(x)
+
+    @compiled("float64(float64)", is_entry=False)
+    def first(x: float) -> float:
+        # The call is dropped by the optimiser; the other one is not.
+        return x + (whole(x) if x != x and x == x else 0)
+
+    @compiled("float64(float64)", is_entry=False)
+    def second(x: float) -> float:
+        return x + whole(x)
+
+    @compiled("float64(float64)")
+    def outer(x: float) -> float:
+        return first(x) + second(x) + whole(x)
+
+    assert outer(2.5) == 2.5 + 4.5 + 2.0
+
+
+def test_only_entries_are_made_ready_beforehand():
+    @compiled("float64(float64)", is_entry=False)
+    def inner(x: float) -> float:
+        return x
+
+    entry = fresh()
+    assert Kernel.made[-1] is entry
+    assert inner not in Kernel.made
 
 
 def test_a_failed_compilation_can_be_tried_again():
@@ -127,17 +159,9 @@ def test_two_processes_compile_a_kernel_once(tmp_path):
     assert said(start(tmp_path, "only")) == "2.0"
 
 
-def test_a_file_edited_since_the_import_is_neither_taken_from_the_cache_nor_kept_there(tmp_path):
-    file = tmp_path / "kernel.py"
-    file.write_text("import math\n")
-    edited_s = file.stat().st_mtime
-    assert compiling._kernel_cache.is_current(file, tmp_path, edited_s + 1.0)
-    assert not compiling._kernel_cache.is_current(file, tmp_path, edited_s - 1.0)
-
-
 def test_compiling_is_refused_where_only_the_cache_may_be_used(monkeypatch):
     kernel = fresh()
-    monkeypatch.setattr(compiling._Cache.__mro__[1], "load_overload", lambda *_: None)
+    monkeypatch.setattr(_kernel._Cache.__mro__[1], "load_overload", lambda *_: None)
     with only_cached(), pytest.raises(NotCompiled):
         kernel(1.0)
     assert kernel(1.0) == 2.0

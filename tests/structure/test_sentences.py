@@ -1,6 +1,7 @@
 """Every sentence that is said stands in the catalogue with exactly its parameters, and none is left over."""
 
 import ast
+import functools
 import importlib
 import json
 from pathlib import Path
@@ -24,6 +25,7 @@ KINDS = {"place", "side", "level", "state"} | MEASURE_NAMES
 CLIENT_WORDS = english()
 
 
+@functools.cache
 def said() -> list[tuple[str, str | None, frozenset[str]]]:
     """File and line, code, and names of the parameters of each call of `say`."""
     found = []
@@ -41,9 +43,6 @@ def said() -> list[tuple[str, str | None, frozenset[str]]]:
     return found
 
 
-SAID = said()
-
-
 def expected(code: str) -> frozenset[str]:
     entry = ENGLISH[code]
     return frozenset(name for name, _ in places(entry)) | (
@@ -51,12 +50,12 @@ def expected(code: str) -> frozenset[str]:
     )
 
 
-@pytest.mark.parametrize(("where", "code", "names"), SAID, ids=[f"{where} {code}" for where, code, _ in SAID])
-def test_what_is_said_is_in_the_catalogue_with_its_parameters(where, code, names):
-    assert code is not None, f"{where}: write the code out, so that it can be found"
-    words = of_estimators.ENGLISH if where.startswith("estimators") else ENGLISH
-    assert code in words, f"{where}: no sentence {code}"
-    assert names == expected(code), f"{where}: {code} has the parameters {sorted(expected(code))}"
+def test_what_is_said_is_in_the_catalogue_with_its_parameters():
+    for where, code, names in said():
+        assert code is not None, f"{where}: write the code out, so that it can be found"
+        words = of_estimators.ENGLISH if where.startswith("estimators") else ENGLISH
+        assert code in words, f"{where}: no sentence {code}"
+        assert names == expected(code), f"{where}: {code} has the parameters {sorted(expected(code))}"
 
 
 def test_nothing_in_the_catalogue_is_left_over():
@@ -64,7 +63,7 @@ def test_nothing_in_the_catalogue_is_left_over():
         form.partition("|")[0] for entry in ENGLISH.values() for _, form in places(entry) if is_of_codes(form)
     }
     names = {code for code in ENGLISH if code.rpartition(".")[0] in kinds | KINDS}
-    assert set(ENGLISH) - names - {code for _, code, _ in SAID} - set(SAID_BY_LIBRARY) == set()
+    assert set(ENGLISH) - names - {code for _, code, _ in said()} - set(SAID_BY_LIBRARY) == set()
     assert kinds <= {code.rpartition(".")[0] for code in names}, "a place refers to names that nobody wrote"
 
 

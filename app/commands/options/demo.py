@@ -40,8 +40,12 @@ def demo_scaled(
 
 def compile_kernels(
     processes: Annotated[int, typer.Option(help="At once; one for each core is right.", min=1, max=64)] = 2,
+    into: Annotated[
+        Path | None,
+        typer.Option(help="Folder for kernels that a package carries: for any x86-64-v3 processor."),
+    ] = None,
 ) -> None:
     """Compile every numerical kernel now, so that no session and no analysis waits for it. Takes some minutes."""
     from app.commands import compile_kernels as command
 
-    command.compile_kernels(processes)
+    command.compile_kernels(processes, into)

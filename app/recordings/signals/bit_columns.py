@@ -22,7 +22,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 
 _CONSTANT: Final = 3
 _ORDER_BITS: Final = 2
@@ -47,7 +47,7 @@ def room_words(rows: int, columns: int) -> int:
     return ((_MOST_BITS_A_NUMBER + 1) * rows + _MOST_BITS_A_COLUMN) * columns // 32 + 2
 
 
-@kernel("void(uint32[::1], uint64[::1], uint64, int64)")
+@step("void(uint32[::1], uint64[::1], uint64, int64)")
 def put(words: Words, state: State, value: Word, bits: Any) -> None:
     """Write a number of at most 32 bits."""
     held = state[0] | (np.uint64(value) << state[1])
@@ -61,7 +61,7 @@ def put(words: Words, state: State, value: Word, bits: Any) -> None:
     state[1] = count
 
 
-@kernel("uint64(uint32[::1], uint64[::1], int64)")
+@step("uint64(uint32[::1], uint64[::1], int64)")
 def get(words: Words, state: State, bits: int) -> Word:
     """Read a number of at most 32 bits; zero beyond the end."""
     wanted = np.uint64(bits)
@@ -76,31 +76,31 @@ def get(words: Words, state: State, bits: int) -> Word:
     return value
 
 
-@kernel("void(uint32[::1], uint64[::1], uint64)")
+@step("void(uint32[::1], uint64[::1], uint64)")
 def put_word(words: Words, state: State, value: Word) -> None:
     """Write 64 bits."""
     put(words, state, np.uint64(value) & np.uint64(0xFFFFFFFF), 32)
     put(words, state, np.uint64(value) >> np.uint64(32), 32)
 
 
-@kernel("uint64(uint32[::1], uint64[::1])")
+@step("uint64(uint32[::1], uint64[::1])")
 def get_word(words: Words, state: State) -> Word:
     """Read 64 bits."""
     low = get(words, state, 32)
     return low | (get(words, state, 32) << np.uint64(32))
 
 
-@kernel("uint64(int64)")
+@step("uint64(int64)")
 def _folded(number: int) -> Word:
     return np.uint64((number << 1) ^ (number >> 63))
 
 
-@kernel("int64(uint64)")
+@step("int64(uint64)")
 def _unfolded(folded: Word) -> Any:
     return np.int64(folded >> np.uint64(1)) ^ -np.int64(folded & np.uint64(1))
 
 
-@kernel("void(uint32[::1], uint64[::1], int64)")
+@step("void(uint32[::1], uint64[::1], int64)")
 def _put_start(words: Words, state: State, number: int) -> None:
     folded = _folded(number)
     length = 0
@@ -113,7 +113,7 @@ def _put_start(words: Words, state: State, number: int) -> None:
         put(words, state, folded >> np.uint64(32), length - 32)
 
 
-@kernel("int64(uint32[::1], uint64[::1])")
+@step("int64(uint32[::1], uint64[::1])")
 def _get_start(words: Words, state: State) -> Any:
     length: Any = np.int64(get(words, state, _LENGTH_BITS))
     folded = get(words, state, min(length, 32))
@@ -122,7 +122,7 @@ def _get_start(words: Words, state: State) -> Any:
     return _unfolded(folded)
 
 
-@kernel("void(uint32[::1], uint64[::1], uint64, int64)")
+@step("void(uint32[::1], uint64[::1], uint64, int64)")
 def _put_far(words: Words, state: State, folded: Word, k: int) -> None:
     """Write an error whose code does not fit a word."""
     above = folded >> np.uint64(k)
@@ -134,7 +134,7 @@ def _put_far(words: Words, state: State, folded: Word, k: int) -> None:
         put_word(words, state, folded)
 
 
-@kernel("void(uint32[::1], uint64[::1], int64[:, ::1])")
+@step("void(uint32[::1], uint64[::1], int64[:, ::1])")
 def write_column(words: Words, state: State, numbers: Numbers) -> None:
     """Write the column in the first row of `numbers`, shape (3, N); the other rows are overwritten."""
     count = numbers.shape[1]
@@ -183,7 +183,7 @@ def write_column(words: Words, state: State, numbers: Numbers) -> None:
     state[0], state[1], state[2] = held, bits, at
 
 
-@kernel("void(uint32[::1], uint64[::1], int64[::1])")
+@step("void(uint32[::1], uint64[::1], int64[::1])")
 def read_column(words: Words, state: State, numbers: Numbers) -> None:
     """Read a column as long as `numbers`."""
     count = len(numbers)
@@ -231,7 +231,7 @@ def read_column(words: Words, state: State, numbers: Numbers) -> None:
             numbers[i] += numbers[i - 1]
 
 
-@kernel("int64(uint32[::1], uint64[::1])")
+@step("int64(uint32[::1], uint64[::1])")
 def finish(words: Words, state: State) -> Any:
     """Write the bits still held; return how many words there are."""
     if state[1] > np.uint64(0):
@@ -239,7 +239,7 @@ def finish(words: Words, state: State) -> Any:
     return np.int64(state[2])
 
 
-@kernel("boolean(uint32[::1], uint64[::1])")
+@step("boolean(uint32[::1], uint64[::1])")
 def is_read(words: Words, state: State) -> Any:
     """Whether a reader has read all words and none beyond the last."""
     used_bits = np.int64(state[2]) * 32 - np.int64(state[1])

@@ -28,7 +28,7 @@ from app.recordings.signals.bit_columns import (
     read_column,
     write_column,
 )
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 
 COMPONENT: Final = 0
 METRE: Final = 1
@@ -51,13 +51,13 @@ Table = NDArray[np.float64]
 Flags = NDArray[np.uint8]
 
 
-@kernel("int64(float64)")
+@step("int64(float64)")
 def _power(value: float) -> int:
     """Return the largest n with 2^n <= value, of a positive finite value."""
     return math.frexp(value)[1] - 1
 
 
-@kernel("float64(float64[:, ::1], uint8[::1], int64)")
+@step("float64(float64[:, ::1], uint8[::1], int64)")
 def _least(table: Table, kinds: Flags, kind: int) -> float:
     """Return the least positive number in the columns of a kind; infinite if there is none."""
     least = np.inf
@@ -69,7 +69,7 @@ def _least(table: Table, kinds: Flags, kind: int) -> float:
     return least
 
 
-@kernel("float64(float64[::1])")
+@step("float64(float64[::1])")
 def _hold(column: Table) -> float:
     """Replace NaN by the number before, at the start by the first there is; return the largest magnitude."""
     last, largest = np.nan, 0.0
@@ -83,7 +83,7 @@ def _hold(column: Table) -> float:
     return largest
 
 
-@kernel("int64(float64[:, ::1], int64, int64, int64, float64, float64, float64)")
+@step("int64(float64[:, ::1], int64, int64, int64, float64, float64, float64)")
 def _step(
     table: Table, c: int, kind: int, pair: int, least_rad: float, least_m: float, largest: float
 ) -> int:

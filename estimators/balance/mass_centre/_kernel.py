@@ -7,7 +7,7 @@ share one covariance.
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 from estimators.recording import Float
 
 STATES = 3
@@ -16,7 +16,7 @@ STEP, FORCE2, BIAS2, ANCHOR2, STANDING2, STARTED, LAST, SETTINGS = 0, 1, 2, 3, 4
 whether anything was seen yet, and the last acceleration of x and y."""
 
 
-@kernel("void(float64[:, ::1], float64, float64, float64, float64[:, ::1])", inlined=True)
+@step("void(float64[:, ::1], float64, float64, float64, float64[:, ::1])", inlined=True)
 def _predict_covariance(p: Float, h: float, force_variance: float, bias_variance: float, out: Float) -> None:
     """Return F P F' + Q for F = [[1, h, -h^2/2], [0, 1, -h], [0, 0, 1]]."""
     g = -0.5 * h * h
@@ -36,7 +36,7 @@ def _predict_covariance(p: Float, h: float, force_variance: float, bias_variance
     out[2, 1] = out[1, 2]
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], int64, float64, float64, float64)", inlined=True)
+@step("void(float64[:, ::1], float64[:, ::1], int64, float64, float64, float64)", inlined=True)
 def _measure(x: Float, p: Float, row: int, value_x: float, value_y: float, variance: float) -> None:
     """Update both axes with a direct measurement of one state."""
     total = p[row, row] + variance

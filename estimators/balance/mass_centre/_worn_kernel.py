@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, normalized, rotate, rotate_back
+from estimators._kernels import kernel, normalized, rotate, rotate_back, step
 from estimators.recording import Float
 
 FROM_HIP, FROM_MIDDLE, FROM_LEFT, FROM_RIGHT, TARGETS = range(5)
@@ -16,14 +16,14 @@ AHEAD, LEFT, UP, SIGMA_AHEAD, SIGMA_LEFT, SIGMA_UP, SCALARS = range(7)
 _INVALID = np.uint8(1)  # OrientationFlag.INVALID; numba wants a plain constant
 
 
-@kernel("UniTuple(float64, 4)(float64[::1], float64[::1])")
+@step("UniTuple(float64, 4)(float64[::1], float64[::1])")
 def _half_way(a: Float, b: Float) -> tuple[float, float, float, float]:
     """Return the mean of two orientations."""
     sign = 1.0 if a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] >= 0.0 else -1.0
     return normalized(a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2], a[3] + sign * b[3])
 
 
-@kernel("float64(float64[:, ::1], UniTuple(float64, 3))")
+@step("float64(float64[:, ::1], UniTuple(float64, 3))")
 def _along(covariance: Float, n: tuple[float, float, float]) -> float:
     """Return the variance along a direction."""
     total = 0.0

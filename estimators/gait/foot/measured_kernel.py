@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from estimators._kernels import Scalars3, kernel, rotate, wrapped
+from estimators._kernels import Scalars3, rotate, wrapped
 from estimators.gait.foot import layout as at
 from estimators.gait.foot.step_kernel import matrix_of
 from estimators.kernels import step
@@ -64,7 +64,7 @@ def _heading_seen(x: Float, field: Float, memory: Float, tolerance: float) -> fl
     return math.nan
 
 
-@kernel(
+@step(
     "int64(int64, float64[::1], float64[::1], float64[::1], float64, float64[::1], float64[::1], float64[::1],"
     " float64[:, ::1], float64[::1], float64[::1])"
 )
@@ -116,7 +116,7 @@ def measured_rows(
     return count
 
 
-@kernel("float64(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])")
+@step("float64(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])")
 def surprise(p: Float, rows: Float, residual: Float, variance: Float) -> float:
     """Return the squared innovation of the first three measurements over its covariance."""
     s = np.empty((3, 3))

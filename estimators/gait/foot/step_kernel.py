@@ -1,6 +1,6 @@
 """One step of the foot filter, compiled: the state and its error covariance from one sample to the next."""
 
-from estimators._kernels import exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import exponential, multiply, normalized, rotate, step
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait.foot import layout as at
 from estimators.recording import Float
@@ -15,7 +15,7 @@ _S_PIVOT, _S_BG, _S_BA = at.S_PIVOT_DENSITY2, at.S_GYROSCOPE_BIAS_DENSITY2, at.S
 _FORCE, _H = at.STEP_FORCE, at.STEP_TIME
 
 
-@kernel("void(float64, float64, float64, float64, float64[::1])")
+@step("void(float64, float64, float64, float64, float64[::1])")
 def matrix_of(w: float, x: float, y: float, z: float, out: Float) -> None:
     """Write the rotation matrix of a quaternion, row by row, at the start of `out`."""
     out[0] = 1.0 - 2.0 * (y * y + z * z)
@@ -29,7 +29,7 @@ def matrix_of(w: float, x: float, y: float, z: float, out: Float) -> None:
     out[8] = 1.0 - 2.0 * (x * x + y * y)
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def correct(x: Float, error: Float, out: Float) -> None:
     """Write the state moved by an error."""
     for i in range(3):
@@ -43,7 +43,7 @@ def correct(x: Float, error: Float, out: Float) -> None:
     out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3] = normalized(qw, qx, qy, qz)
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[::1], float64, float64[::1], float64[::1])")
+@step("void(float64[::1], float64[:, ::1], float64[::1], float64, float64[::1], float64[::1])")
 def spread_on(step: Float, p: Float, rate_variance: Float, force_variance: float, s: Float, w: Float) -> None:
     """Carry the covariance over one step, eq. (9) and (10), by blocks: P <- F P F^T + Q."""
     h = step[_H]
@@ -92,7 +92,7 @@ def spread_on(step: Float, p: Float, rate_variance: Float, force_variance: float
             p[_EQ + i, _EQ + j] += total * h
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1], float64, float64[::1])")
 def move(x: Float, gyroscope: Float, memory: Float, h: float, step: Float) -> None:
     """Carry the state over one step, eq. (7) and (8), and write what the step looked like."""
     wx = 0.5 * (memory[_GYRO] + gyroscope[0]) - x[_BG]

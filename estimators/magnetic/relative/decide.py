@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.pulse import expected_variance, predict_pulse
 from estimators.magnetic.relative.update import innovate
@@ -45,7 +45,7 @@ _EP, _EU, _ET, _EA, _POSE_ERRORS = at.E_POSITION, at.E_VELOCITY, at.E_ATTITUDE, 
 _COILS, _O_COIL, _O_CURRENT, _O_SCORES, _O_TICKS = at.COILS, at.O_COIL, at.O_CURRENT, at.O_SCORES, at.O_TICKS
 
 
-@kernel("float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64)")
+@step("float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64)")
 def score_after(p: Float, h: Float, r: Float, zero: Float, limit_p: float, limit_a: float) -> float:
     """Return the traces of position and attitude covariance over their squared limits after a pulse."""
     n = p.shape[0]
@@ -64,7 +64,7 @@ def score_after(p: Float, h: Float, r: Float, zero: Float, limit_p: float, limit
     return score
 
 
-@kernel(
+@step(
     "int64(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1], float64, float64[::1])"
 )
 def choose(
@@ -87,9 +87,7 @@ def choose(
     return best
 
 
-@kernel(
-    "float64(float64[:, ::1], float64, float64[::1], float64[::1], float64[::1], float64[:, ::1], float64)"
-)
+@step("float64(float64[:, ::1], float64, float64[::1], float64[::1], float64[::1], float64[:, ::1], float64)")
 def choose_current(
     loops: Float, coil: float, nominal: Float, rates: Float, settings: Float, p: Float, target: float
 ) -> float:
@@ -110,7 +108,7 @@ def choose_current(
     return float(high)
 
 
-@kernel(
+@step(
     "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1],"
     "float64[::1])"
 )

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import step
 from estimators.kernels.matrices import cholesky, solve
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
@@ -31,7 +31,7 @@ _SURE, _DOUBTFUL = 4.0, 2.0
 """Sigmas from which on the moment is called wrong, and below which it is no more."""
 
 
-@kernel("void(float64[:, ::1], float64[::1], float64[::1])")
+@step("void(float64[:, ::1], float64[::1], float64[::1])")
 def carry_sensitivity(phi: Float, settings: Float, memory: Float) -> None:
     """Carry V over a step by the transition of the errors; what was learnt of g fades slowly."""
     n = phi.shape[0]
@@ -46,7 +46,7 @@ def carry_sensitivity(phi: Float, settings: Float, memory: Float) -> None:
     memory[_INFORMATION] *= settings[_KEEP]
 
 
-@kernel(
+@step(
     "void(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1],"
     "float64[::1])"
 )
@@ -84,7 +84,7 @@ def learn_moment(
         memory[_INFORMATION] += weighted[a] * s[a]
 
 
-@kernel("void(float64[::1], float64[::1], int64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], int64[::1], float64[::1])")
 def judge_moment(settings: Float, memory: Float, counters: NDArray[np.int64], out: Float) -> None:
     """Raise the alarm while the moment is surely not the stated one, and widen what is given by what that does."""
     information = memory[_INFORMATION]

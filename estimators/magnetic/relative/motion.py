@@ -6,7 +6,7 @@ accelerations forgets that the source axes turn (erratum X1).
 
 import numpy as np
 
-from estimators._kernels import exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import exponential, kernel, multiply, normalized, rotate, step
 from estimators.kernels.attitudes import attitude_matrix
 from estimators.kernels.matrices import matrix_multiply, symmetrise
 from estimators.magnetic.relative import layout as at
@@ -26,13 +26,13 @@ Vector = tuple[float, float, float]
 _V = "UniTuple(float64, 3)"
 
 
-@kernel(f"{_V}(float64, float64, float64, float64, float64, float64)")
+@step(f"{_V}(float64, float64, float64, float64, float64, float64)")
 def cross(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Vector:
     """Return the cross product."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-@kernel("void(float64[:, ::1], int64, int64, float64, float64, float64, float64)")
+@step("void(float64[:, ::1], int64, int64, float64, float64, float64, float64)")
 def add_skew(f: Float, row: int, column: int, sign: float, x: float, y: float, z: float) -> None:
     """Add the cross-product matrix of a vector to a block."""
     f[row, column + 1] -= sign * z
@@ -43,7 +43,7 @@ def add_skew(f: Float, row: int, column: int, sign: float, x: float, y: float, z
     f[row + 2, column + 1] += sign * x
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1], float64[::1])")
 def corrected(nominal: Float, before: Float, now: Float, out: Float) -> None:
     """Write w_s, f_s, w_c, f_c: means of two samples, less the biases."""
     for i in range(3):
@@ -53,7 +53,7 @@ def corrected(nominal: Float, before: Float, now: Float, out: Float) -> None:
         out[_FC + i] = 0.5 * (before[_ACC_C + i] + now[_ACC_C + i]) - nominal[_BAC + i]
 
 
-@kernel("void(float64[::1], float64[::1], float64, boolean)")
+@step("void(float64[::1], float64[::1], float64, boolean)")
 def mechanise(nominal: Float, signals: Float, time_step: float, published: bool) -> None:
     """Carry position, velocity and attitude over a step (method page 3.3; published: 3.2)."""
     t = time_step
@@ -88,7 +88,7 @@ def mechanise(nominal: Float, signals: Float, time_step: float, published: bool)
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def relax(nominal: Float, settings: Float) -> None:
     """Let the estimated offsets of the accelerometers return towards zero over a step (own, beside method page 3.4).
 
@@ -105,7 +105,7 @@ def relax(nominal: Float, settings: Float) -> None:
         nominal[_BAC + i] *= keep
 
 
-@kernel("void(float64[::1], float64[::1], float64, boolean, float64[:, ::1])")
+@step("void(float64[::1], float64[::1], float64, boolean, float64[:, ::1])")
 def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: Float) -> None:
     """Write the matrix of the error dynamics (method page 3.4; published: B.6-B.12).
 
@@ -153,9 +153,7 @@ def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: F
             f[i, i] = -decay
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64[::1], float64, float64, float64[:, ::1], float64[:, :, ::1])"
-)
+@step("void(float64[::1], float64[::1], float64[::1], float64, float64, float64[:, ::1], float64[:, :, ::1])")
 def predict(
     nominal: Float,
     signals: Float,

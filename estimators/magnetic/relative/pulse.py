@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from estimators._kernels import exponential, kernel, multiply, rotate, rotate_back
+from estimators._kernels import exponential, multiply, rotate, rotate_back, step
 from estimators.magnetic._loop_kernel import coil_field
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.motion import cross
@@ -35,7 +35,7 @@ _VALUE, _WHITE, _AMPERES, _LATE, _ROWS, _AMBIENT, _TURNING, _LEVER = (
 )
 
 
-@kernel("float64(float64[::1])")
+@step("float64(float64[::1])")
 def fading(settings: Float) -> float:
     """Return how much less a quiet sample weighs than the next one: white noise of the field against turning.
 
@@ -46,7 +46,7 @@ def fading(settings: Float) -> float:
     return float(1.0 - 0.5 * (math.sqrt(ratio * ratio + 4.0 * ratio) - ratio))
 
 
-@kernel("UniTuple(float64, 3)(float64[:, :, ::1])")
+@step("UniTuple(float64, 3)(float64[:, :, ::1])")
 def spread(shares: Float) -> tuple[float, float, float]:
     """Return by how much white noise, noise of the gyroscope's steps, and its offset come through into a pulse.
 
@@ -68,7 +68,7 @@ def spread(shares: Float) -> tuple[float, float, float]:
     return white, turning, lever
 
 
-@kernel("float64(float64[::1])")
+@step("float64(float64[::1])")
 def expected_variance(settings: Float) -> float:
     """Return the variance of a pulse as set, right after its quiet samples, the mean of the three axes."""
     shares = np.zeros((2, 2, _RING))
@@ -86,7 +86,7 @@ def expected_variance(settings: Float) -> float:
     return float(settings[_FIELD_SIGMA] ** 2 * white + 2.0 / 3.0 * turn * turn * turning)
 
 
-@kernel(
+@step(
     "int64(float64[:, ::1], int64, int64, int64, float64[::1], float64[::1], float64[::1], float64[:, ::1])"
 )
 def pulse_value(
@@ -192,7 +192,7 @@ def pulse_value(
     return 1 if stuck else 0
 
 
-@kernel(
+@step(
     "void(float64[:, ::1], float64, float64, float64, float64[::1], float64[::1], float64[::1], float64[:, ::1])"
 )
 def predict_pulse(
@@ -254,7 +254,7 @@ def predict_pulse(
             h[i, _ET + j] = levered[i]
 
 
-@kernel(
+@step(
     "void(float64[:, ::1], float64, float64[::1], float64[:, ::1], float64, float64[::1], float64[::1], float64[::1],"
     "float64[::1], float64[:, ::1])"
 )

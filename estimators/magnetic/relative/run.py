@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.decide import decide
 from estimators.magnetic.relative.moment import carry_sensitivity, judge_moment
@@ -99,7 +99,7 @@ _PAIR_LIMIT, _WINDOW_LIMIT = 22.46, 37.7
 """99.9 % points of chi-square with the degrees of freedom of two and of five pulses."""
 
 
-@kernel("void(float64[::1], int64[::1])")
+@step("void(float64[::1], int64[::1])")
 def fail(settings: Float, counters: NDArray[np.int64]) -> None:
     """Count a pulse that said nothing; after a few in a row go on without the source."""
     counters[_FAILURES] += 1
@@ -107,7 +107,7 @@ def fail(settings: Float, counters: NDArray[np.int64]) -> None:
         retreat(settings, counters)
 
 
-@kernel("boolean(float64[::1], float64[:, ::1])")
+@step("boolean(float64[::1], float64[:, ::1])")
 def too_wide(nominal: Float, p: Float) -> bool:
     """Whether the place is known too badly, against the distance, for pulses one by one."""
     distance = nominal[_P] ** 2 + nominal[_P + 1] ** 2 + nominal[_P + 2] ** 2
@@ -115,7 +115,7 @@ def too_wide(nominal: Float, p: Float) -> bool:
     return bool(variance > _WIDE_SHARE * _WIDE_SHARE * distance)
 
 
-@kernel(
+@step(
     "float64(int64, int64, float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1],"
     "float64[::1], int64[::1], float64[:, ::1], float64[:, ::1])"
 )
@@ -192,7 +192,7 @@ def end_pulse(
     return nis
 
 
-@kernel(
+@step(
     "void(float64[::1], float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1],"
     "float64[:, ::1], float64[:, :, ::1], float64[::1])"
 )

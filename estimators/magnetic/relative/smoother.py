@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators._kernels import kernel, multiply
+from estimators._kernels import kernel, multiply, step
 from estimators.kernels.attitudes import logarithm
 from estimators.kernels.backward import step_back
 from estimators.magnetic._coil import Source
@@ -56,7 +56,7 @@ class SmoothedPose:
     filtered: RelativeResult
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def difference(a: Float, b: Float, out: Float) -> None:
     """Write the error that, taken out of b, gives a: estimate minus truth with b as the estimate."""
     for i in range(3):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from estimators._kernels import kernel, rotate_back
+from estimators._kernels import rotate_back, step
 from estimators.kernels.attitudes import attitude_matrix
 from estimators.kernels.matrices import cholesky, joseph, solve
 from estimators.magnetic.relative import layout as at
@@ -33,7 +33,7 @@ _OFF = 100.0
 UNSEEN = -2.0
 
 
-@kernel("float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
+@step("float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
 def innovate(p: Float, h: Float, r: Float, innovation: Float, gain: Float) -> float:
     """Write K = P H^T S^-1 and return the normalised innovation squared; minus one if S is not positive."""
     n, m = p.shape[0], h.shape[0]
@@ -67,7 +67,7 @@ def innovate(p: Float, h: Float, r: Float, innovation: Float, gain: Float) -> fl
     return nis
 
 
-@kernel(
+@step(
     "float64(float64[:, ::1], float64, float64[::1], float64[:, ::1], float64[::1], float64[::1], float64,"
     "float64[::1], float64[:, ::1], float64[::1], float64[:, ::1])"
 )
@@ -177,7 +177,7 @@ def update_pulse(
     return first
 
 
-@kernel(
+@step(
     "void(float64[::1], float64[::1], float64[::1], float64, float64[:, ::1], float64[::1], float64[:, ::1])"
 )
 def update_inclination(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, step
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 
@@ -77,7 +77,7 @@ MISSING_PULSE, SATURATED, FAULT, UNCERTAIN, GAP = 16, 32, 64, 128, 256
 _REST_S = 0.7
 
 
-@kernel("boolean(float64[::1], float64[::1])")
+@step("boolean(float64[::1], float64[::1])")
 def quasi_static(signals: Float, settings: Float) -> bool:
     """Whether both modules hardly turn and feel little but gravity at a moment."""
     for w, f in _MODULES:
@@ -88,7 +88,7 @@ def quasi_static(signals: Float, settings: Float) -> bool:
     return True
 
 
-@kernel("boolean(float64[::1], boolean, float64[::1], int64[::1])")
+@step("boolean(float64[::1], boolean, float64[::1], int64[::1])")
 def at_rest(signals: Float, whole: bool, settings: Float, counters: NDArray[np.int64]) -> bool:
     """Whether both modules hardly turn and feel little but gravity, and have done so for a while.
 
@@ -100,7 +100,7 @@ def at_rest(signals: Float, whole: bool, settings: Float, counters: NDArray[np.i
     return bool(counters[_AT_REST] * settings[_T] > _REST_S)
 
 
-@kernel("void(float64[::1], float64[::1], int64)")
+@step("void(float64[::1], float64[::1], int64)")
 def _add_field(sample: Float, memory: Float, count: int) -> None:
     """Add the field of the `count`-th sample of a standstill; one that is missing counts as the mean of the others."""
     known = math.isfinite(sample[_FIELD] + sample[_FIELD + 1] + sample[_FIELD + 2])
@@ -114,7 +114,7 @@ def _add_field(sample: Float, memory: Float, count: int) -> None:
             memory[_SUM_B + i] += memory[_SUM_B + i] / (count - 1)
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1])")
 def calibrate(
     sample: Float, settings: Float, nominal: Float, memory: Float, counters: NDArray[np.int64]
 ) -> None:
@@ -156,7 +156,7 @@ def calibrate(
     counters[_BURST_COIL] = 0
 
 
-@kernel("void(float64[::1], boolean, float64[::1], float64[::1], int64[::1])")
+@step("void(float64[::1], boolean, float64[::1], float64[::1], int64[::1])")
 def watch_field(
     sample: Float, resting: bool, settings: Float, memory: Float, counters: NDArray[np.int64]
 ) -> None:
@@ -179,7 +179,7 @@ def watch_field(
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], int64, int64)")
+@step("void(float64[::1], float64[::1], float64[::1], int64, int64)")
 def keep_pulse(pulse: Float, middle: Float, memory: Float, number: int, tick: int) -> None:
     """Keep a pulse of a burst with the pose that was predicted for its middle, a row of the ring, at a tick."""
     row = _BURST + number * _COLUMNS
@@ -206,7 +206,7 @@ def retreat(settings: Float, counters: NDArray[np.int64]) -> None:
     counters[_FAILURES] = 0
 
 
-@kernel("void(int64[::1])")
+@step("void(int64[::1])")
 def gather(counters: NDArray[np.int64]) -> None:
     """Ask for a burst."""
     counters[_PHASE] = _GATHER
@@ -215,7 +215,7 @@ def gather(counters: NDArray[np.int64]) -> None:
     counters[_FAILURES] = 0
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], int64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1], int64[::1])")
 def account(sample: Float, settings: Float, memory: Float, counters: NDArray[np.int64]) -> None:
     """Book what the source does at this tick: altogether, and in the bin of this second."""
     tick, second = counters[_TICK], int(settings[_SECOND])
@@ -231,7 +231,7 @@ def account(sample: Float, settings: Float, memory: Float, counters: NDArray[np.
         memory[_BUDGET_SQUARED + place] += on * current * current
 
 
-@kernel("boolean(float64[::1], float64[::1], float64, float64)")
+@step("boolean(float64[::1], float64[::1], float64, float64)")
 def affordable(settings: Float, memory: Float, ticks: float, current: float) -> bool:
     """Whether one more pulse keeps the last minute within what the source may do."""
     on = settings[_T] * ticks
@@ -242,7 +242,7 @@ def affordable(settings: Float, memory: Float, ticks: float, current: float) -> 
     return bool(on <= settings[_MOST_ON] and squared <= settings[_MOST_SQUARED])
 
 
-@kernel("int64(float64[::1], float64[::1], int64[::1], float64[:, ::1])")
+@step("int64(float64[::1], float64[::1], int64[::1], float64[:, ::1])")
 def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) -> int:
     """Return the flags of a tick."""
     flags, phase, tick = 0, counters[_PHASE], counters[_TICK]

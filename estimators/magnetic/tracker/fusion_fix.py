@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, normalized, rotate
+from estimators._kernels import kernel, multiply, normalized, rotate, step
 from estimators.kernels.attitudes import attitude_matrix, turn_between
 from estimators.kernels.matrices import joseph, matrix_multiply, multiply_turned, symmetrise
 from estimators.magnetic.relative.update import innovate
@@ -58,7 +58,7 @@ _START_VELOCITY, _RESTART_VELOCITY = 0.05, 0.5
 """Sigmas of the velocity (m/s) at a first burst, for which one stands, and at one in motion."""
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1])")
+@step("void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1])")
 def fix_axes(sample: Float, source: Float, sensor: Float, q: Float) -> None:
     """Write the attitudes of source and sensor in the world as a fix has them: matrices (3, 3), quaternion (4,)."""
     attitude_matrix(sample[_GM : _GM + 4], source)
@@ -76,7 +76,7 @@ def fix_axes(sample: Float, source: Float, sensor: Float, q: Float) -> None:
     attitude_matrix(q, sensor)
 
 
-@kernel("void(float64[::1], float64[::1], float64, float64[:, ::1])")
+@step("void(float64[::1], float64[::1], float64, float64[:, ::1])")
 def fix_noise(sample: Float, settings: Float, rate: float, noise: Float) -> None:
     """Write the covariance of a fix in world axes, (6, 6): its own with the floors, else the law of the page (2.2).
 
@@ -112,7 +112,7 @@ def fix_noise(sample: Float, settings: Float, rate: float, noise: Float) -> None
     symmetrise(noise)
 
 
-@kernel("void(float64[::1], float64[:, ::1])")
+@step("void(float64[::1], float64[:, ::1])")
 def velocity_effect(sample: Float, effect: Float) -> None:
     """Write what an error of the velocity does to a fix, world axes, (6, 3); zeros where it does not say."""
     effect[:, :] = 0.0
@@ -129,7 +129,7 @@ def velocity_effect(sample: Float, effect: Float) -> None:
         multiply_turned(left, source, effect[3 * block : 3 * block + 3])
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def solved_velocity(sample: Float, velocity: Float) -> None:
     """Write the velocity that a fix was solved at, world axes; zero where it does not say."""
     velocity[:] = 0.0
@@ -159,7 +159,7 @@ def correct(p: Float, h: Float, r: Float, z: Float, gate: float, nominal: Float,
     return nis
 
 
-@kernel(
+@step(
     "int64(float64[::1], float64[::1], float64[::1], float64[:, ::1], int64[::1], float64[:, ::1], float64[::1])"
 )
 def use_fix(
@@ -222,7 +222,7 @@ def use_fix(
     return status
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1])")
 def start(
     sample: Float, settings: Float, nominal: Float, p: Float, memory: Float, counters: NDArray[np.int64]
 ) -> None:

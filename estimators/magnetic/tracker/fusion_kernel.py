@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import Scalars4, exponential, multiply, normalized, rotate
 from estimators.kernels import step
 from estimators.kernels.attitudes import attitude_matrix, turn_between, turn_in_world
 from estimators.kernels.matrices import matrix_multiply, symmetrise
@@ -36,7 +36,7 @@ _T, _FORCE, _RATE, _FORCE_WALK, _RATE_WALK = (
 _XI_SIGMA, _XI_TIME = at.FILTER_SIGMA, at.FILTER_TIME
 
 
-@kernel("void(float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1])")
 def inject(nominal: Float, error: Float) -> None:
     """Put an error (truth minus estimate, turns in the world) into the nominal state."""
     for i in range(3):
@@ -82,7 +82,7 @@ def _turn_world(nominal: Float, a: Float, wander: Float, last: Float) -> None:
                     a[error + i, _EPHI + j] += lever[i, k] * last[k, j]
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
+@step("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
 def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Float) -> None:
     """Carry the nominal state over a step (eq. 6.1-6.4, 6.8) and write its error matrix (page C4 2.2, E6).
 
@@ -141,7 +141,7 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
 
 
-@kernel("float64(float64[::1], float64[::1], float64[::1], float64)")
+@step("float64(float64[::1], float64[::1], float64[::1], float64)")
 def relative_rate(nominal: Float, before: Float, now: Float, time_step_s: float) -> float:
     """Return how fast the sensor turns against the source, rad/s."""
     source = np.empty(3)
@@ -161,7 +161,7 @@ def relative_rate(nominal: Float, before: Float, now: Float, time_step_s: float)
     return math.sqrt(total)
 
 
-@kernel(
+@step(
     "void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1],"
     "float64[:, :, ::1])"
 )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, rotate_back
+from estimators._kernels import kernel, multiply, rotate_back, step
 from estimators.kernels.attitudes import attitude_matrix, turn_between
 from estimators.kernels.backward import step_back
 from estimators.kernels.matrices import matrix_multiply, multiply_turned
@@ -130,7 +130,7 @@ def run(
         counters[_TICK] += 1
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1])")
+@step("void(float64[::1], float64[::1], float64[::1])")
 def difference(a: Float, b: Float, error: Float) -> None:
     """Write the error that, put into b, gives a."""
     error[:] = 0.0

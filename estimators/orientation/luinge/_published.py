@@ -128,7 +128,7 @@ def correct(x: Record, p: Float, sample: Record, c: Record, work: Float, gain: F
     keep_spread(x, p, c, work[_SPARE])
 
 
-@kernel("float64(float64[:, ::1], UniTuple(float64, 3))")
+@step("float64(float64[:, ::1], UniTuple(float64, 3))")
 def quadratic(p: Float, v: Scalars3) -> float:
     """Return v' P v over the attitude block."""
     total = 0.0

@@ -6,7 +6,7 @@ those of the predicted angles from what the sample added.
 
 import math
 
-from estimators._kernels import Scalars3, Scalars4, kernel, wrapped
+from estimators._kernels import Scalars3, Scalars4, wrapped
 from estimators.kernels import step
 from estimators.recording import Float
 
@@ -17,7 +17,7 @@ _QUATERNION, _VECTOR, _PAIR = "UniTuple(float64, 4)", "UniTuple(float64, 3)", "U
 _CIRCLE = "UniTuple(float64, 6)"
 
 
-@kernel(f"{_PAIR}(float64)", inlined=True)
+@step(f"{_PAIR}(float64)", inlined=True)
 def half_circle(angle: float) -> tuple[float, float]:
     """Return sine and cosine of half an angle within half a turn, by series of a quarter of it, exact to 1e-16."""
     x = 0.25 * angle
@@ -43,7 +43,7 @@ def half_circle(angle: float) -> tuple[float, float]:
     return 2.0 * sine * (1.0 - rest), 1.0 - 2.0 * sine * sine
 
 
-@kernel(f"{_CIRCLE}(float64, float64, float64)", inlined=True)
+@step(f"{_CIRCLE}(float64, float64, float64)", inlined=True)
 def halves(roll: float, pitch: float, yaw: float) -> Circle:
     """Return sine and cosine of half of each angle, all within half a turn."""
     sr, cr = half_circle(roll)
@@ -52,7 +52,7 @@ def halves(roll: float, pitch: float, yaw: float) -> Circle:
     return sr, cr, sp, cp, sy, cy
 
 
-@kernel(f"{_CIRCLE}({_CIRCLE})", inlined=True)
+@step(f"{_CIRCLE}({_CIRCLE})", inlined=True)
 def doubled(half: Circle) -> Circle:
     """Return sine and cosine of the angles from `halves` of them."""
     return (
@@ -65,7 +65,7 @@ def doubled(half: Circle) -> Circle:
     )
 
 
-@kernel(f"{_QUATERNION}({_CIRCLE})", inlined=True)
+@step(f"{_QUATERNION}({_CIRCLE})", inlined=True)
 def attitude(half: Circle) -> Scalars4:
     """Return q_U_sensor of Rz(yaw) Ry(pitch) Rx(roll) from `halves` (A7.1)."""
     sr, cr, sp, cp, sy, cy = half
@@ -73,13 +73,13 @@ def attitude(half: Circle) -> Scalars4:
     return cr * cc + sr * ss, sr * cc - cr * ss, cr * sc + sr * cs, cr * cs - sr * sc
 
 
-@kernel(f"{_QUATERNION}(float64, float64, float64)")
+@step(f"{_QUATERNION}(float64, float64, float64)")
 def quaternion(roll: float, pitch: float, yaw: float) -> Scalars4:
     """Return q_U_sensor of Rz(yaw) Ry(pitch) Rx(roll) (A7.1)."""
     return attitude(halves(roll, pitch, yaw))
 
 
-@kernel("UniTuple(float64, 3)(float64, float64, float64, float64)")
+@step("UniTuple(float64, 3)(float64, float64, float64, float64)")
 def euler(w: float, x: float, y: float, z: float) -> Scalars3:
     """Return roll, pitch and yaw of a unit quaternion (A7.2, A7.3)."""
     c13 = 2.0 * (x * z - w * y)
@@ -90,7 +90,7 @@ def euler(w: float, x: float, y: float, z: float) -> Scalars3:
     )
 
 
-@kernel(f"{_PAIR}(float64, float64, float64)", inlined=True)
+@step(f"{_PAIR}(float64, float64, float64)", inlined=True)
 def moved(sine: float, cosine: float, by: float) -> tuple[float, float]:
     """Return sine and cosine of an angle that moved on, by series exact to 1e-16 for the turn of a sample."""
     s = by * by
@@ -113,7 +113,7 @@ def wrap(e: Float) -> None:
     e[0], e[2] = wrapped(e[0]), wrapped(e[2])
 
 
-@kernel(f"{_VECTOR}({_CIRCLE}, float64[:, ::1])", inlined=True)
+@step(f"{_VECTOR}({_CIRCLE}, float64[:, ::1])", inlined=True)
 def variances(half: Circle, p: Float) -> Scalars3:
     """Return the variance of the rotation error about north, east and down, given `halves` of the angles.
 

@@ -129,7 +129,7 @@ def predict(x: Record, p: Float, sample: Record, c: Record) -> None:
     x.q[0], x.q[1], x.q[2], x.q[3] = multiply(x.q[0], x.q[1], x.q[2], x.q[3], tw, tx, ty, tz)
 
 
-@kernel("float64(float64, float64, float64, float64)", inlined=True)
+@step("float64(float64, float64, float64, float64)", inlined=True)
 def steepness(w: float, x: float, y: float, z: float) -> float:
     """Return the factor of the variance of roll and yaw: as noisy as one over the cosine of a steep pitch."""
     c13 = 2.0 * (x * z - w * y)
@@ -137,7 +137,7 @@ def steepness(w: float, x: float, y: float, z: float) -> float:
     return 1.0 if cosine_squared >= _STEEP else _STEEP / max(cosine_squared, _GUARD)
 
 
-@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+@step(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
 def roll_row(w: float, x: float, y: float, z: float) -> Row:
     """Return the row of the roll (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
     c23, c33 = 2.0 * (y * z + w * x), (w * w - x * x) - (y * y - z * z)
@@ -145,7 +145,7 @@ def roll_row(w: float, x: float, y: float, z: float) -> Row:
     return c23, c33, length, x * c33 - w * c23, w * c33 + x * c23, z * c33 + y * c23, y * c33 - z * c23
 
 
-@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+@step(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
 def pitch_row(w: float, x: float, y: float, z: float) -> Row:
     """Return the row of the pitch (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
     c13 = min(max(2.0 * (x * z - w * y), -1.0), 1.0)
@@ -153,7 +153,7 @@ def pitch_row(w: float, x: float, y: float, z: float) -> Row:
     return -c13, cosine, 0.5 * max(cosine, _GUARD), y + c13 * w, c13 * x - z, w + c13 * y, c13 * z - x
 
 
-@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+@step(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
 def yaw_row(w: float, x: float, y: float, z: float) -> Row:
     """Return the row of the yaw (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
     c12, c11 = 2.0 * (x * y + w * z), (w * w + x * x) - (y * y + z * z)
@@ -161,7 +161,7 @@ def yaw_row(w: float, x: float, y: float, z: float) -> Row:
     return c12, c11, length, z * c11 - w * c12, y * c11 - x * c12, x * c11 + y * c12, w * c11 + z * c12
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64, float64)", inlined=True)
+@step("UniTuple(float64, 4)(float64, float64, float64, float64)", inlined=True)
 def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
     """Return a quaternion, which must not be zero, at unit norm."""
     scale = 1.0 / math.sqrt((w * w + x * x) + (y * y + z * z))

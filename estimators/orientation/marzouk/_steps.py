@@ -8,7 +8,7 @@ accelerometer is gravity-positive in g, `s = -specific force / g`. `prepare` con
 import math
 from typing import Final
 
-from estimators._kernels import Scalars3, Scalars4, kernel, multiply, normalized, rotate, rotate_back
+from estimators._kernels import Scalars3, Scalars4, multiply, normalized, rotate, rotate_back
 from estimators.conventions import GRAVITY_MPS2
 from estimators.kernels import Fields, Record, record, step
 from estimators.orientation._contract import OrientationFlag
@@ -93,7 +93,7 @@ _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 
-@kernel("UniTuple(float64, 4)(UniTuple(float64, 3), UniTuple(float64, 3))")
+@step("UniTuple(float64, 4)(UniTuple(float64, 3), UniTuple(float64, 3))")
 def attitude_from_vectors(gravity: Scalars3, field: Scalars3) -> Scalars4:
     """Return q_U_sensor from gravity and field in the sensor frame (A4 and A5); all zero if parallel.
 
@@ -123,7 +123,7 @@ def attitude_from_vectors(gravity: Scalars3, field: Scalars3) -> Scalars4:
     return normalized(ex - ny, nz + dx, ez + dy, 1.0 + 2.0 * dz - trace)
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64, float64, UniTuple(float64, 3))")
+@step("UniTuple(float64, 4)(float64, float64, float64, float64, UniTuple(float64, 3))")
 def tilted_to_gravity(w: float, x: float, y: float, z: float, gravity: Scalars3) -> Scalars4:
     """Turn q_U_sensor by the least angle so that it agrees with measured gravity; heading is unchanged."""
     vx, vy, vz = rotate_back(w, x, y, z, 0.0, 0.0, 1.0)

@@ -5,7 +5,6 @@ Its error delta = R d_e is in the earth frame as that of orientation is. Fields 
 
 from typing import Final
 
-from estimators._kernels import kernel
 from estimators.kernels import BASE, Matrix, Record, record, step
 from estimators.orientation import _strapdown_steps as steps
 from estimators.recording import Float
@@ -69,7 +68,7 @@ STATE = record(
 )
 
 
-@kernel("void(float64[:, ::1])")
+@step("void(float64[:, ::1])")
 def keep_blocks(p: Float) -> None:
     """Forget what orientation, offset and disturbance have to do with each other, as the published filter does (E5)."""
     for i in range(3):

@@ -186,7 +186,7 @@ def forward(
             error[TURN + a] -= known.step[a]
 
 
-@kernel("float64(float64[::1], float64[::1], float64[::1])")
+@step("float64(float64[::1], float64[::1], float64[::1])")
 def _squared(big: Float, left: Float, right: Float) -> float:
     """Return left' big right."""
     total = 0.0
@@ -198,7 +198,7 @@ def _squared(big: Float, left: Float, right: Float) -> float:
     return total
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, int64[::1], float64[::1], int64)")
+@step("void(float64[::1], float64[::1], float64[::1], float64, int64[::1], float64[::1], int64)")
 def _widen(
     big: Float,
     product: Float,

@@ -77,7 +77,7 @@ _ROOM = (types.float64[:, ::1], types.int64[:, ::1], types.float64[:, ::1], type
 """`rows`, `index`, `value` and `work`."""
 
 
-@borrowing(VOID(_COVARIANCE, single(STATE), types.int64, single(SETTINGS), *_ROOM))
+@borrowing(VOID(_COVARIANCE, single(STATE), types.int64, single(SETTINGS), *_ROOM), is_entry=True)
 def end_block(
     p: Float,
     memory: Record,
@@ -176,7 +176,8 @@ def advance(
             single(SETTINGS),
         ),
         *_ROOM,
-    )
+    ),
+    is_entry=True,
 )
 def fill_gap(
     p: Float,

@@ -131,5 +131,6 @@ compose = borrowing(
         *(_CUBE, _CUBE, _CUBE, _CUBE, _BYTES),
         bundle(Worn, _TABLE, _TABLE, _TABLE, _ROW),
         *(_CUBE, _CUBE, _CUBE, _BYTES),
-    )
+    ),
+    is_entry=True,
 )(compose_python)

@@ -62,7 +62,7 @@ _TWO_PI = 2.0 * math.pi
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 
-@kernel("UniTuple(float64, 9)(float64, float64, float64, float64)")
+@step("UniTuple(float64, 9)(float64, float64, float64, float64)")
 def matrix(w: float, x: float, y: float, z: float) -> Nine:
     """Return the rotation matrix of a unit quaternion, row by row."""
     return (
@@ -78,7 +78,7 @@ def matrix(w: float, x: float, y: float, z: float) -> Nine:
     )
 
 
-@kernel("float64(float64[::1], int64, float64, float64, float64)")
+@step("float64(float64[::1], int64, float64, float64, float64)")
 def sigma_along(out: Float, first: int, x: float, y: float, z: float) -> float:
     """Return one sigma along a vector of what begins at row and column `first` of the covariance in an output row."""
     a = _COV + (_POSE + 1) * first
@@ -143,7 +143,7 @@ def take(
                 row[_GYR_C + a], row[_ACC_C + a] = rate_radps[source, k, a], force_mps2[source, k, a]
 
 
-@kernel(
+@step(
     "void(float64[::1], int64, boolean, float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])"
 )
 def write_pose(

@@ -1,5 +1,7 @@
 """Tables as loggers, phones and scripts write them: odd clocks, restarts, units and names. See `odd_tables`."""
 
+import functools
+
 import numpy as np
 
 from tests.app.readers.odd_tables import (
@@ -21,6 +23,7 @@ from tests.app.readers.odd_tables import (
 DEGREES = np.degrees(GYROSCOPE)
 
 
+@functools.cache
 def field_tables() -> dict[str, Odd]:
     return {
         **_rates(),

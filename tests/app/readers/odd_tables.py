@@ -4,6 +4,7 @@ Each is one file and what is to be read of it. Nothing in them was made to fit t
 has seen is one more line here.
 """
 
+import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone
@@ -95,6 +96,7 @@ ALL = (GYROSCOPE, FORCE, FIELD_UT)
 PLAIN = ",".join(["time", *NINE])
 
 
+@functools.cache
 def odd_tables() -> dict[str, Odd]:
     return {**_headings(), **_texts(), **_times(), **_clocks(), **_units()}
 

@@ -1,4 +1,4 @@
-"""The one way in which this package compiles: for a declared signature, when it is first needed, once for everybody.
+"""Kernels: compiled for their declared signature when they are first needed, and found again in the cache.
 
 Importing a module compiles and loads nothing. A kernel is made ready by its first call, or by the compilation of a
 kernel that calls it: from the cache in milliseconds, or compiled in up to half a minute. A service that must not wait
@@ -7,15 +7,19 @@ for that in the middle of its work calls beforehand what it will need.
 
 import contextlib
 import contextvars
+import functools
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, ClassVar, Final, TypeVar, cast
 
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
-from estimators import _kernel_cache
+from estimators.compiling import _shipped
+from estimators.compiling._digest import digest
+from estimators.compiling._units import EntryCompiler, Part
 
 try:
     import fcntl
@@ -23,9 +27,6 @@ except ImportError:  # pragma: no cover - where files cannot be locked, two proc
     fcntl = None  # type: ignore[assignment]
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-_kernel_cache.use()
-
 
 _is_compiling_allowed = contextvars.ContextVar("is_compiling_allowed", default=True)
 
@@ -44,8 +45,38 @@ def only_cached() -> Iterator[None]:
         _is_compiling_allowed.reset(token)
 
 
+class _Implementation(CompileResultCacheImpl):  # type: ignore[misc]
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._module = function.__module__
+        super().__init__(function)
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        # Without the line, which an edit above moves. With the whole module: kernels of all can lie in one folder.
+        name = fullname.partition(".")[2].replace("<", "").replace(">", "")
+        return f"{self._module}.{name}.py{sys.version_info.major}{sys.version_info.minor}{abiflags}"
+
+
 class _Cache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of one kernel, in which machine code is known by all that went into it."""
+
+    _impl_class = _Implementation
+
+    def __init__(self, kernel: "Kernel") -> None:
+        super().__init__(kernel.py_func)
+        stamp = digest(kernel.py_func, kernel.targetoptions, kernel.signature)
+        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)
+        self._shipped = None
+        if _shipped.is_used():
+            self._shipped = IndexDataCacheFile(str(_shipped.FOLDER), self._impl.filename_base, stamp)
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        return sig, codegen.magic_tuple()
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        target_context.refresh()
+        data = self._shipped.load(_shipped.key_of(sig)) if self._shipped is not None else None
+        if data is not None:
+            return self._impl.rebuild(target_context, data)
         try:
             found = super().load_overload(sig, target_context)
         except (ImportError, AttributeError):
@@ -64,16 +95,16 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
     """
 
     made: ClassVar[list["Kernel"]] = []
-    """Every kernel with a signature, in the order of the imports: what it calls stands before it."""
+    """Every entry, in the order of the imports."""
     signature: Any = None
     """The declared one, or a list of them; None where it is left to the callers."""
     _declared: Any = None
     _is_cached = False
 
-    def declare(self, signature: Any) -> None:
+    def declare(self, signature: Any, is_entry: bool) -> None:
         """Set the signature; None leaves it to the callers."""
         self.signature = self._declared = signature
-        if signature is not None:
+        if is_entry and signature is not None:
             self.made.append(self)
 
     def prepare(self) -> None:
@@ -102,16 +133,26 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
     def compile(self, sig: Any) -> Any:
         """Compile for a signature or load it; other processes that want the same wait and load what was made here."""
         with global_compiler_lock:
-            if not self._is_cached and _kernel_cache.is_current(Path(self.py_func.__code__.co_filename)):
-                self._cache = _Cache(self.py_func)
+            if not self._is_cached:
+                self._cache = _Cache(self)
             self._is_cached = True
             with _alone(self._cache):
                 return super().compile(sig)
 
+    @functools.cached_property
+    def part(self) -> Part:
+        """The kernel as other kernels take it in."""
+        signature = self.signature
+        declared = None if signature is None else signature if isinstance(signature, list) else [signature]
+        return Part(self.py_func, self.targetoptions, declared)
+
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Ready the kernel for a caller that is being compiled."""
-        self.prepare()
-        return super().get_call_template(args, kws)
+        """Lower the kernel for a caller that is being compiled."""
+        return self.part.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return what a caller that is being compiled links."""
+        return self.part.get_overload(sig)
 
     def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
         # From the first call. What is returned is called with the same arguments: once more this kernel, ready now.
@@ -150,13 +191,16 @@ def unchecked(function: F) -> F:
 _ALWAYS: Final = {"nopython": True, "boundscheck": None, "nogil": True, "error_model": "numpy"}
 
 
-def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
+def compiled(signature: Any = None, *, is_entry: bool = True, **options: Any) -> Callable[[F], F]:
     """Compile a function when it is first needed: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
 
     Parameters
     ----------
     signature : str, numba signature or list of them, optional
         Without, the types are those that the kernels which call it hand over.
+    is_entry : bool
+        Python calls it: `telemotion compile` makes it ready. What only kernels call is lowered into them; called from
+        Python all the same, as by a test, it is compiled then.
     **options
         Of `numba.njit`.
 
@@ -167,8 +211,8 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
     """
 
     def decorate(function: F) -> F:
-        made = Kernel(function, targetoptions={**_ALWAYS, **options})
-        made.declare(signature)
+        made = Kernel(function, targetoptions={**_ALWAYS, **options}, pipeline_class=EntryCompiler)
+        made.declare(signature, is_entry)
         return cast(F, made)
 
     return decorate

@@ -1,0 +1,122 @@
+"""Digest of all that goes into a kernel's machine code, by which the cache knows it again.
+
+It covers the bytecode of the kernel and of the functions that it calls, and the values of the constants that they read:
+numbers, records, flags. Sentences, comments, docstrings, line numbers and whatever else a file imports do not count.
+"""
+
+import enum
+import functools
+import hashlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from numba.extending import _Intrinsic
+
+_OURS: Final = frozenset({__name__.partition(".")[0], "app", "validation"})
+_COMPILER: Final = "_units.py"
+"""It decides how everything is compiled."""
+
+
+class _Own(NamedTuple):
+    """A function's own share of a digest, and the functions that it calls."""
+
+    share: bytes
+    called: tuple[FunctionType, ...]
+
+
+def digest(function: Callable[..., Any], *options: object) -> bytes:
+    """Return the digest of a kernel.
+
+    Parameters
+    ----------
+    function : callable
+        Plain Python function of the kernel.
+    *options : object
+        Further choices that decide its machine code; their `repr` counts.
+    """
+    found: dict[Any, bytes] = {}
+    waiting = [function]
+    while waiting:
+        if (one := waiting.pop()) not in found:
+            found[one], called = _own(one)
+            waiting.extend(called)
+    return hashlib.sha256(b"".join([_basis(), repr(options).encode(), *sorted(found.values())])).digest()
+
+
+@functools.cache
+def _basis() -> bytes:
+    return hashlib.sha256(np.__version__.encode() + Path(__file__).with_name(_COMPILER).read_bytes()).digest()
+
+
+@functools.lru_cache(maxsize=4096)
+def _own(function: Any) -> _Own:
+    shares: list[bytes] = [f"{function.__module__}.{function.__qualname__}".encode()]
+    called: list[FunctionType] = []
+    for code in _codes(function.__code__):
+        shares += [code.co_code, repr((code.co_varnames, code.co_freevars, code.co_names)).encode()]
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    for value in (function.__defaults__, function.__kwdefaults__, cells, *_constants(function)):
+        shares.append(_described(value, called))
+    return _Own(hashlib.sha256(b"\0".join(shares)).digest(), tuple(called))
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for one in code.co_consts:
+        if isinstance(one, CodeType):
+            yield from _codes(one)
+
+
+def _constants(function: Any) -> Iterator[Any]:
+    """Yield the constants of a function, and the globals of the names in it; of a module of ours what is read of it.
+
+    Names of attributes stand among those of globals: one that is both is read too often, never too seldom.
+    """
+    for code in _codes(function.__code__):
+        # The docstring stands first.
+        yield from (
+            one for one in code.co_consts if not isinstance(one, CodeType) and one != function.__doc__
+        )
+        for name in code.co_names:
+            found = function.__globals__.get(name)
+            if isinstance(found, ModuleType) and _is_ours(found.__name__):
+                yield [(one, getattr(found, one)) for one in code.co_names if hasattr(found, one)]
+            else:
+                yield found
+
+
+def _is_ours(module: str | None) -> bool:
+    return (module or "").partition(".")[0] in _OURS
+
+
+def _described(value: Any, called: list[FunctionType]) -> bytes:
+    """Return what a value adds to machine code; functions whose code counts as well are added to `called`."""
+    if type(value) in (tuple, list):
+        return b"(" + b",".join(_described(one, called) for one in value) + b")"
+    if isinstance(value, dict):
+        return _described(list(value.items()), called)
+    if isinstance(value, Dispatcher):
+        called.append(value.py_func)
+        return repr((value.targetoptions, getattr(value, "signature", None))).encode()
+    if isinstance(value, _Intrinsic):
+        value = value._defn
+    if isinstance(value, FunctionType) and _is_ours(value.__module__):
+        called.append(value)
+    if isinstance(value, ModuleType | BuiltinFunctionType | FunctionType | np.ufunc):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}".encode()
+    if isinstance(value, np.ndarray):
+        return repr((value.dtype, value.shape)).encode() + value.tobytes()
+    if isinstance(value, type):
+        return _of_type(value)
+    return f"{type(value)} {value!r}".encode()
+
+
+def _of_type(kind: type) -> bytes:
+    name = f"{kind.__module__}.{kind.__qualname__}"
+    if issubclass(kind, enum.Enum):
+        return repr((name, [(one.name, one.value) for one in kind])).encode()
+    return repr((name, getattr(kind, "_fields", ()))).encode()
