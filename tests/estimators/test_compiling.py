@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 
 from estimators.compiling import Kernel, NotCompiled, _kernel, compiled, only_cached
@@ -20,7 +21,8 @@ def fresh(signature: str | None = "float64(float64)") -> Any:
 
 
 @pytest.fixture(autouse=True)
-def nothing_is_remembered():
+def nothing_is_remembered(tmp_path, monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
     made = len(Kernel.made)
     yield
     del Kernel.made[made:]
