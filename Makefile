@@ -153,9 +153,10 @@ lock: ## Rewrite the lock files from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --no-annotate --constraint requirements.lock --python-version 3.11 pyproject.toml -o requirements-service.lock
 	grep -oE '"(nats|paho)-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
 
-wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client
+wheel: $(VENV)/scaled web/dist/index.html ## Build a wheel that carries the browser client and the compiled kernels
 	@rm -rf app/static && cp -r web/dist app/static
+	@$(BIN)/telemotion compile --processes 2 --into estimators/_compiled
 	@$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w dist .
 
 clean: ## Remove everything that is built; the database under var/ stays
-	@rm -rf $(VENV) web/node_modules web/dist app/static dist build
+	@rm -rf $(VENV) web/node_modules web/dist app/static estimators/_compiled dist build

@@ -13,8 +13,7 @@ from pathlib import Path
 import typer
 
 import estimators
-from estimators.compiling import Kernel
-from estimators.compiling import _shipped as shipped
+from estimators.compiling import PROCESSOR, Kernel, label
 
 
 def compile_kernels(processes: int, into: Path | None = None) -> None:
@@ -32,7 +31,7 @@ def compile_kernels(processes: int, into: Path | None = None) -> None:
         _compile(processes)
         return
     # Read by the processes that compile, when they import numba.
-    os.environ |= {"NUMBA_CPU_NAME": shipped.PROCESSOR, "NUMBA_CPU_FEATURES": ""}
+    os.environ |= {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}
     with tempfile.TemporaryDirectory() as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
         _compile(processes)
@@ -40,7 +39,7 @@ def compile_kernels(processes: int, into: Path | None = None) -> None:
         into.mkdir(parents=True)
         for file in sorted(Path(folder).rglob("*.nb[ci]")):
             shutil.copy(file, into)
-    shipped.label(into)
+    label(into)
 
 
 def _compile(processes: int) -> None:

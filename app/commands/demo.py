@@ -17,6 +17,7 @@ from app.demo.people import PASSWORD, PATIENTS, THERAPIST, prepare
 from app.edge.demonstration import HistoryProgress
 from app.errors import InvalidInput
 from app.settings import Settings
+from estimators.compiling import why_unused
 
 _ANSWER_POLL_S: Final = 0.1
 HISTORY_COMES: Final = "  Past sessions are being made; they appear one after the other."
@@ -126,6 +127,10 @@ def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_com
         lines.append(f"  {person.given_name} {person.family_name} streams live: sign in and open her row.")
     if not is_complete:
         lines.append(HISTORY_COMES)
+    if why := why_unused():
+        lines.append(
+            f"  Kernels are compiled here, which takes minutes; those that came with the package do not fit: {why}."
+        )
     lines.append("  Ctrl-C stops it. Everything here is invented; never use it with real patients.")
     typer.echo("\n".join([*lines, ""]))
 

@@ -1,5 +1,15 @@
 """The one way in which this package compiles: for a declared signature, when it is first needed, once for everybody."""
 
 from estimators.compiling._kernel import Kernel, NotCompiled, compiled, only_cached, unchecked
+from estimators.compiling._shipped import PROCESSOR, label, why_unused
 
-__all__ = ["Kernel", "NotCompiled", "compiled", "only_cached", "unchecked"]
+__all__ = [
+    "PROCESSOR",
+    "Kernel",
+    "NotCompiled",
+    "compiled",
+    "label",
+    "only_cached",
+    "unchecked",
+    "why_unused",
+]

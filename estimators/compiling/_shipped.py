@@ -41,7 +41,7 @@ def why_unused(folder: Path = FOLDER) -> str | None:
     here = built_here()
     for name, value in fits.items():
         if here.get(name) != value:
-            return f"they were compiled for {name} {value}; here it is {here.get(name)}"
+            return f"{name} is {here.get(name)} here, and they are for {value}"
     features = llvm.get_host_cpu_features()
     missing = [name for name in _FEATURES if not features.get(name)]
     if missing:
