@@ -1,8 +1,9 @@
 """The steps of `telemotion process` after reading: checks, estimation, output."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import typer
@@ -19,8 +20,11 @@ from estimators import pipelines, signals
 from estimators.body import BodyDimensions, body_from_stature
 from estimators.calibration import Hemisphere
 from estimators.conventions import Placement
-from estimators.pipelines import Frames, SessionSetup
+from estimators.pipelines import Frames, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Recording, SensorSignals
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,29 @@ class Asked:
     hemisphere: Hemisphere
 
 
+@dataclass(frozen=True)
+class Estimated:
+    """A recording, estimated.
+
+    Attributes
+    ----------
+    setup : SessionSetup
+        As it was used, with the calibration that was found.
+    walk : Walk or None
+        Of a walk its strides and measures.
+    forces : ShoeWalk or None
+        Of instrumented shoes.
+    note : str
+        Why there are no forces although load cells were worn; else empty.
+    """
+
+    frames: Frames
+    setup: SessionSetup
+    walk: Walk | None = None
+    forces: ShoeWalk | None = None
+    note: str = ""
+
+
 def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
     """Estimate a recording and write its results.
 
@@ -46,6 +73,41 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         From which it was read.
     out : Path
         Folder, made when absent.
+
+    Raises
+    ------
+    InvalidInput
+        For an unknown estimator, or readings that cannot be right.
+    """
+    found = estimated(measured, asked, lambda line: typer.echo(line, err=True))
+    out.mkdir(parents=True, exist_ok=True)
+    if found.walk is not None:
+        write_walk(found.walk, out, found.forces, found.note)
+    # What writes results loads the service: not before the estimate is there.
+    from app.recordings.result_files import origin_of, setup_record, write_results
+
+    origin = origin_of(file, asked.format)
+    table = table_of(found, {**origin, "setup": setup_record(found.setup)})
+    write_results(table, found.setup, origin, out)
+    _say(found.frames, found.setup, out)
+
+
+def table_of(found: Estimated, about: dict[str, Any] | None = None) -> "pa.Table":
+    """Return the frames as one table; see `app.recordings.columns.frames_table`."""
+    from app.recordings.columns import frames_table
+
+    setup = found.setup
+    body = setup.body if pipelines.kind(setup.pipeline).needs_pose else None
+    return frames_table(found.frames, body, pipeline=setup.pipeline, about=about)
+
+
+def estimated(measured: Recording, asked: Asked, say_line: Callable[[str], None]) -> Estimated:
+    """Check and estimate a recording.
+
+    Parameters
+    ----------
+    say_line : callable
+        Takes each warning and note as one line, as soon as it is known.
 
     Raises
     ------
@@ -64,7 +126,7 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         prepared = readers.packets_of(feet, any_name=not kind.is_worn)
         measured = prepared.as_stored()
         if prepared.left_out:
-            typer.echo(f"note: {say('file.left_out', names=list(prepared.left_out))}", err=True)
+            say_line(f"note: {say('file.left_out', names=list(prepared.left_out))}")
     setup = SessionSetup(
         pipeline=asked.pipeline,
         # The arm pipeline leaves the legs out: they need not be still in the pose.
@@ -75,28 +137,15 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         # As in the service for a person whom nobody measured.
         body=body_from_stature(BodyDimensions().stature_m),
     )
-    setup = _checked(measured, setup, force=asked.force, hemisphere=asked.hemisphere)
+    setup = _checked(measured, setup, asked, say_line)
     if asked.pipeline == WALKING:
         walk, forces, note = analyse(measured, shoes, setup)
-        frames, used = walk.frames, setup
-        out.mkdir(parents=True, exist_ok=True)
-        write_walk(walk, out, forces, note)
-    else:
-        frames, used = pipelines.run(measured, setup, asked.pose_s, elbows_from_movement=kind.needs_pose)
-        out.mkdir(parents=True, exist_ok=True)
-    # What writes results loads the service: not before the estimate is there.
-    from app.recordings.columns import frames_table
-    from app.recordings.result_files import origin_of, setup_record, write_results
-
-    origin = origin_of(file, asked.format)
-    body = used.body if kind.needs_pose else None
-    table = frames_table(frames, body, pipeline=asked.pipeline, about={**origin, "setup": setup_record(used)})
-    write_results(table, used, origin, out)
-    _say(frames, used, out)
+        return Estimated(walk.frames, setup, walk, forces, note)
+    return Estimated(*pipelines.run(measured, setup, asked.pose_s, elbows_from_movement=kind.needs_pose))
 
 
 def _checked(
-    measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: Hemisphere
+    measured: Recording, setup: SessionSetup, asked: Asked, say_line: Callable[[str], None]
 ) -> SessionSetup:
     """Refuse readings whose unit, axes or sign cannot be right, as an upload does; tell of the rest.
 
@@ -111,13 +160,12 @@ def _checked(
     if not worn:
         return setup
     chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
-    found = judged(
-        cut(chunk), tuple(worn), hemisphere, is_accepted=force, remedy=say("process.correct_or_force")
-    )
+    remedy = say("process.correct_or_force")
+    found = judged(cut(chunk), tuple(worn), asked.hemisphere, is_accepted=asked.force, remedy=remedy)
     for doubt in found.doubts:
-        typer.echo(f"warning: {doubt}", err=True)
+        say_line(f"warning: {doubt}")
     for note in found.notes:
-        typer.echo(f"note: {note}", err=True)
+        say_line(f"note: {note}")
     return setup.with_devices(found.devices)
 
 
