@@ -21,6 +21,9 @@ _FEWEST_WINDOWS: Final = 3
 _CUT_PERCENT: Final = 97.0
 _SMALLEST_RANGE: Final = {"gyroscope": np.radians(125.0), "accelerometer": 2.0 * GRAVITY_MPS2}
 """No device ends below: what is cut off there is no case."""
+_LEAST_CUT: Final = 0.01
+"""Of the largest reading. What takes less cannot be told from a calibration, and does no harm: of a sine about one axis
+the level that 3 % exceed takes 0.4 %."""
 _EVERY: Final = 3
 """Of the sensors of a whole body every third is taken: neighbours move alike."""
 HALVES: Final = ("first", "second")
@@ -135,7 +138,8 @@ def _is_shown(kind: str, triad: str, change: Change, movement: _Movement, chunk:
         return movement.has_field
     if "cut off" in kind:
         readings = chunk.gyroscope_radps if triad == "gyroscope" else chunk.accelerometer_mps2
-        return bool(np.nanmax(np.abs(change(readings))) > _SMALLEST_RANGE[triad])
+        top, left = np.nanmax(np.abs(readings)), np.nanmax(np.abs(change(readings)))
+        return bool(left > _SMALLEST_RANGE[triad] and left < (1.0 - _LEAST_CUT) * top)
     if kind.endswith("unit") and triad != "gyroscope":
         return True
     return movement.shows(triad, change)
@@ -208,7 +212,7 @@ WRONG_INPUTS = Protocol(
     " axes swapped, each axis reversed, or cut off at the level that 3 % of the samples exceed, one at a time. Shown is"
     " the share that is named with the right triad, of the cases that the movement shows: wrong and right readings put"
     " gravity or field more than 20 degrees apart in three windows of six seconds or more, by motion capture or the"
-    " published filter on the sound recording. Recordings are halved in turn by name: a threshold that fits one half"
+    " published filter on the sound recording; a cut-off takes more than 1 % of the largest reading. Recordings are halved in turn by name: a threshold that fits one half"
     " alone would show.",
     figures=(
         *(Figure(f"{kind}, {half} half", "%", 95.0, at_most=False) for kind in _KINDS for half in HALVES),
