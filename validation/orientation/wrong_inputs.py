@@ -212,8 +212,8 @@ WRONG_INPUTS = Protocol(
     " axes swapped, each axis reversed, or cut off at the level that 3 % of the samples exceed, one at a time. Shown is"
     " the share that is named with the right triad, of the cases that the movement shows: wrong and right readings put"
     " gravity or field more than 20 degrees apart in three windows of six seconds or more, by motion capture or the"
-    " published filter on the sound recording; a cut-off takes more than 1 % of the largest reading. Recordings are halved in turn by name: a threshold that fits one half"
-    " alone would show.",
+    " published filter on the sound recording; a cut-off takes more than 1 % of the largest reading. Recordings are"
+    " halved in turn by name: a threshold that fits one half alone would show.",
     figures=(
         *(Figure(f"{kind}, {half} half", "%", 95.0, at_most=False) for kind in _KINDS for half in HALVES),
         Figure("sound recordings refused", "%", 0.0),
