@@ -157,6 +157,8 @@ wheel: $(VENV)/scaled web/dist/index.html ## Build a wheel that carries the brow
 	@rm -rf app/static && cp -r web/dist app/static
 	@$(BIN)/telemotion compile --processes 2 --into estimators/_compiled
 	@$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w dist .
+	@# In the tree they would be taken instead of those that an edit compiles.
+	@rm -rf estimators/_compiled
 
 clean: ## Remove everything that is built; the database under var/ stays
 	@rm -rf $(VENV) web/node_modules web/dist app/static estimators/_compiled dist build

@@ -7,6 +7,9 @@
     walked = telemotion.process(telemotion.read("walk.csv"))
     table = walked.table()
 
+The packages of this installation are imported before modules of the same name beside a notebook: after
+`import telemotion` an `app.py` of one's own is no longer found as `app`.
+
 Tables need no mapping where their columns say what they are. What is assumed or doubted stands in `notes`.
 """
 

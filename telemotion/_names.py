@@ -22,7 +22,7 @@ def make_room() -> Iterator[None]:
     for name in _BESIDE:
         found = sys.modules.get(name)
         file = getattr(found, "__file__", None)
-        if found is not None and (file is None or _PLACE not in Path(file).resolve().parents):
+        if found is not None and (file is None or _PLACE.resolve() not in Path(file).resolve().parents):
             raise ImportError(
                 f"a module {name!r} of another project was imported before ({file}): import telemotion first"
             )

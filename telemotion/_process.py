@@ -60,6 +60,8 @@ def process(
 
     Parameters
     ----------
+    read : Read
+        By `telemotion.read`.
     kind : str, optional
         Of session; what its sensors are worn for without.
     orientation : str, optional

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
+
+from pydantic import ValidationError
 
 from app import readers
 from app.errors import InvalidInput
@@ -72,7 +74,12 @@ def read(
     if not path.is_file():
         raise InvalidInput(f"there is no file {path}")
     notes: list[str] = []
-    columns = CsvMapping.model_validate(dict(mapping)) if mapping is not None else None
+    if hemisphere not in get_args(Hemisphere):
+        raise InvalidInput(f"no hemisphere {hemisphere!r}; choose one of {', '.join(get_args(Hemisphere))}")
+    try:
+        columns = CsvMapping.model_validate(dict(mapping)) if mapping is not None else None
+    except ValidationError as error:
+        raise InvalidInput(f"this is no mapping: {error}") from None
     format = readers.guess(path) if columns is None else readers.format_of(path, columns)
     if columns is None and readers.TEXT & readers.reader_of(format).endings:
         found = readers.preview_text(path.name, readers.start_of(path), None, rate_hz, readers.later_of(path))

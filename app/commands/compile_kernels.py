@@ -13,7 +13,8 @@ from pathlib import Path
 import typer
 
 import estimators
-from estimators.compiling import PROCESSOR, Kernel, label
+from app.errors import InvalidInput
+from estimators.compiling import PROCESSOR, Kernel, is_labelled, label
 
 
 def compile_kernels(processes: int, into: Path | None = None) -> None:
@@ -30,22 +31,29 @@ def compile_kernels(processes: int, into: Path | None = None) -> None:
     if into is None:
         _compile(processes)
         return
+    if into.exists() and any(into.iterdir()) and not is_labelled(into):
+        raise InvalidInput(f"{into} holds something else; name a new or empty folder")
     # Read by the processes that compile, when they import numba.
     os.environ |= {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}
     with tempfile.TemporaryDirectory() as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
-        _compile(processes)
-        shutil.rmtree(into, ignore_errors=True)
-        into.mkdir(parents=True)
-        for file in sorted(Path(folder).rglob("*.nb[ci]")):
+        count = _compile(processes)
+        made = sorted(Path(folder).rglob("*.nb[ci]"))
+        if len(made) < 2 * count:
+            raise InvalidInput(f"of {count} kernels only {len(made) // 2} could be stored")
+        into.mkdir(parents=True, exist_ok=True)
+        for file in into.glob("*.nb[ci]"):
+            file.unlink()
+        for file in made:
             shutil.copy(file, into)
     label(into)
 
 
-def _compile(processes: int) -> None:
+def _compile(processes: int) -> int:
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn"), _begin) as pool:
         count = sum(pool.map(_prepare, range(import_all())))
     typer.echo(f"{count} kernels are ready")
+    return count
 
 
 def _begin() -> None:

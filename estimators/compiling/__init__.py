@@ -1,13 +1,14 @@
 """The one way in which this package compiles: for a declared signature, when it is first needed, once for everybody."""
 
 from estimators.compiling._kernel import Kernel, NotCompiled, compiled, only_cached, unchecked
-from estimators.compiling._shipped import PROCESSOR, label, why_unused
+from estimators.compiling._shipped import PROCESSOR, is_labelled, label, why_unused
 
 __all__ = [
     "PROCESSOR",
     "Kernel",
     "NotCompiled",
     "compiled",
+    "is_labelled",
     "label",
     "only_cached",
     "unchecked",

@@ -2,8 +2,10 @@
 
 It covers the bytecode of the kernel and of the functions that it calls, and the values of the constants that they read:
 numbers, records, flags. Sentences, comments, docstrings, line numbers and whatever else a file imports do not count.
+Implementations that are registered with `numba.extending.overload` are not seen: the library has none.
 """
 
+import dis
 import enum
 import functools
 import hashlib
@@ -38,13 +40,19 @@ def digest(function: Callable[..., Any], *options: object) -> bytes:
     *options : object
         Further choices that decide its machine code; their `repr` counts.
     """
-    found: dict[Any, bytes] = {}
-    waiting = [function]
-    while waiting:
-        if (one := waiting.pop()) not in found:
-            found[one], called = _own(one)
-            waiting.extend(called)
-    return hashlib.sha256(b"".join([_basis(), repr(options).encode(), *sorted(found.values())])).digest()
+    whole = _with_called(function, {})
+    return hashlib.sha256(b"".join([_basis(), repr(options).encode(), whole])).digest()
+
+
+def _with_called(function: Any, done: dict[Any, bytes]) -> bytes:
+    """Return the digest of a function and, in their order, of those that it calls."""
+    if function not in done:
+        # Where functions call each other in a circle the name stands for what is under way.
+        done[function] = f"{function.__module__}.{function.__qualname__}".encode()
+        share, called = _own(function)
+        parts = [share, *(_with_called(one, done) for one in called)]
+        done[function] = hashlib.sha256(b"".join(parts)).digest()
+    return done[function]
 
 
 @functools.cache
@@ -71,22 +79,36 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
             yield from _codes(one)
 
 
+_LOADS_FIRST: Final = bytes((dis.opmap["LOAD_CONST"], 0))
+
+
 def _constants(function: Any) -> Iterator[Any]:
     """Yield the constants of a function, and the globals of the names in it; of a module of ours what is read of it.
 
     Names of attributes stand among those of globals: one that is both is read too often, never too seldom.
     """
-    for code in _codes(function.__code__):
-        # The docstring stands first.
-        yield from (
-            one for one in code.co_consts if not isinstance(one, CodeType) and one != function.__doc__
-        )
+    for number, code in enumerate(_codes(function.__code__)):
+        constants = [one for one in code.co_consts if not isinstance(one, CodeType)]
+        is_documented = number == 0 and function.__doc__ is not None and code.co_consts[0] == function.__doc__
+        if is_documented and _LOADS_FIRST not in (
+            code.co_code[i : i + 2] for i in range(0, len(code.co_code), 2)
+        ):
+            constants = constants[1:]
+        yield from constants
         for name in code.co_names:
-            found = function.__globals__.get(name)
-            if isinstance(found, ModuleType) and _is_ours(found.__name__):
-                yield [(one, getattr(found, one)) for one in code.co_names if hasattr(found, one)]
-            else:
-                yield found
+            yield from _read(function.__globals__.get(name), code.co_names, set())
+
+
+def _read(found: Any, names: tuple[str, ...], seen: set[int]) -> Iterator[Any]:
+    if isinstance(found, ModuleType) and _is_ours(found.__name__):
+        if id(found) not in seen:
+            seen.add(id(found))
+            for one in names:
+                if hasattr(found, one):
+                    yield one
+                    yield from _read(getattr(found, one), names, seen)
+    else:
+        yield found
 
 
 def _is_ours(module: str | None) -> bool:
@@ -95,13 +117,16 @@ def _is_ours(module: str | None) -> bool:
 
 def _described(value: Any, called: list[FunctionType]) -> bytes:
     """Return what a value adds to machine code; functions whose code counts as well are added to `called`."""
-    if type(value) in (tuple, list):
-        return b"(" + b",".join(_described(one, called) for one in value) + b")"
+    if isinstance(value, tuple | list):
+        return repr(type(value)).encode() + b",".join(_described(one, called) for one in value) + b")"
+    if isinstance(value, set | frozenset):
+        return b"{" + b",".join(sorted(_described(one, called) for one in value)) + b"}"
     if isinstance(value, dict):
         return _described(list(value.items()), called)
     if isinstance(value, Dispatcher):
         called.append(value.py_func)
-        return repr((value.targetoptions, getattr(value, "signature", None))).encode()
+        name = f"{value.py_func.__module__}.{value.py_func.__qualname__}"
+        return repr((name, value.targetoptions, getattr(value, "signature", None))).encode()
     if isinstance(value, _Intrinsic):
         value = value._defn
     if isinstance(value, FunctionType) and _is_ours(value.__module__):
@@ -118,5 +143,5 @@ def _described(value: Any, called: list[FunctionType]) -> bytes:
 def _of_type(kind: type) -> bytes:
     name = f"{kind.__module__}.{kind.__qualname__}"
     if issubclass(kind, enum.Enum):
-        return repr((name, [(one.name, one.value) for one in kind])).encode()
+        return repr((name, [(name, one.value) for name, one in kind.__members__.items()])).encode()
     return repr((name, getattr(kind, "_fields", ()))).encode()

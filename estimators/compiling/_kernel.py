@@ -74,9 +74,12 @@ class _Cache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         target_context.refresh()
-        data = self._shipped.load(_shipped.key_of(sig)) if self._shipped is not None else None
-        if data is not None:
-            return self._impl.rebuild(target_context, data)
+        if self._shipped is not None:
+            # A file that cannot be read must not keep a kernel from being compiled.
+            with contextlib.suppress(Exception):
+                data = self._shipped.load(_shipped.key_of(sig))
+                if data is not None:
+                    return self._impl.rebuild(target_context, data)
         try:
             found = super().load_overload(sig, target_context)
         except (ImportError, AttributeError):
@@ -167,7 +170,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 def _alone(cache: Any) -> Iterator[None]:
     """Hold what is cached of one function against other processes.
 
-    Callers are locked before what they call, and no kernel calls itself by a detour: nobody waits in a circle.
+    Only one kernel is held at a time: the steps that it calls are in no cache.
     """
     with contextlib.ExitStack() as stack:
         if fcntl is not None and cache.cache_path is not None:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import llvmlite.binding as llvm
 import numba
+import numpy as np
 
 FOLDER: Final = Path(__file__).parents[1] / "_compiled"
 PROCESSOR: Final = "x86-64-v3"
@@ -23,12 +24,18 @@ def built_here() -> dict[str, str]:
         "machine": f"{sys.platform} {platform.machine()}",
         "python": f"{sys.version_info.major}.{sys.version_info.minor}",
         "numba": numba.__version__,
+        "numpy": np.__version__,
     }
 
 
 def label(folder: Path) -> None:
     """Say in a folder of kernels what they fit to."""
     (folder / _LABEL).write_text(json.dumps(built_here(), indent=1) + "\n", encoding="utf-8")
+
+
+def is_labelled(folder: Path) -> bool:
+    """Say whether a folder is one of such kernels."""
+    return (folder / _LABEL).is_file()
 
 
 @functools.cache
@@ -38,6 +45,8 @@ def why_unused(folder: Path = FOLDER) -> str | None:
         fits = json.loads((folder / _LABEL).read_text(encoding="utf-8"))
     except FileNotFoundError:
         return None
+    except ValueError:
+        return f"{_LABEL} cannot be read"
     here = built_here()
     for name, value in fits.items():
         if here.get(name) != value:
@@ -50,8 +59,8 @@ def why_unused(folder: Path = FOLDER) -> str | None:
 
 
 def is_used() -> bool:
-    """Say whether kernels came with the package and fit."""
-    return (FOLDER / _LABEL).is_file() and why_unused() is None
+    """Say whether kernels came with the package and fit, and those that are compiled are for this processor."""
+    return numba.config.CPU_NAME is None and is_labelled(FOLDER) and why_unused() is None
 
 
 def key_of(signature: Any) -> tuple[Any, ...]:

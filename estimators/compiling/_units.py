@@ -80,7 +80,11 @@ class _PartCompiler(_UnitCompiler):
 
 
 class Part(CPUDispatcher):  # type: ignore[misc]
-    """A kernel as other kernels call it: lowered for the declared signatures, or else for what callers hand over."""
+    """A kernel as other kernels call it: lowered for the declared signatures, or else for what callers hand over.
+
+    It cannot be handed over as a value to code of numba's own (`list.sort(key=...)`), which is emitted by itself; and
+    what it raises has constant words only.
+    """
 
     def __init__(
         self, function: Callable[..., Any], options: dict[str, Any], signatures: list[Any] | None
@@ -92,8 +96,14 @@ class Part(CPUDispatcher):  # type: ignore[misc]
         """Lower for a caller that is being compiled."""
         if self._declared is not None:
             signatures, self._declared = self._declared, None
-            for one in signatures:
-                self.compile(one)
+            try:
+                for one in signatures:
+                    self.compile(one)
+            except BaseException:
+                # Without this the next try would lower it for what its caller hands over.
+                self.overloads.clear()
+                self._declared = signatures
+                raise
             self.disable_compile()
         return super().get_call_template(args, kws)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numba
 import pytest
 
-from estimators.compiling import Kernel, NotCompiled, _kernel, compiled, only_cached
+from estimators.compiling import Kernel, NotCompiled, _kernel, _units, compiled, only_cached
 
 
 def fresh(signature: str | None = "float64(float64)") -> Any:
@@ -107,6 +107,28 @@ def test_a_failed_compilation_can_be_tried_again():
     for _ in range(2):
         with pytest.raises(Exception, match="nothing"):
             wrong(1.0)
+
+
+def test_a_step_has_its_signature_still_after_an_interrupted_compilation(monkeypatch):
+    @compiled("float64(float64)", is_entry=False)
+    def squared(x: float) -> float:
+        return x * x
+
+    @compiled("float64(int64)")
+    def outer(n: int) -> float:
+        return squared(n * 4_000_000_000)
+
+    compile_extra = _units._PartCompiler.compile_extra
+
+    def interrupted(*arguments: Any) -> Any:
+        monkeypatch.setattr(_units._PartCompiler, "compile_extra", compile_extra)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_units._PartCompiler, "compile_extra", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        outer(2)
+    # As an integer the square would overflow.
+    assert outer(2) == 6.4e19
 
 
 def test_two_threads_compile_once():

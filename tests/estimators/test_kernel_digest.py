@@ -75,6 +75,100 @@ def test_changed_code_of_the_kernel_or_of_its_steps_counts(change):
     assert digest_of(work=WORK.replace(*change)) != digest_of()
 
 
+def of_text(text: str, name: str = "outer") -> bytes:
+    names: dict[str, Any] = {"__name__": "estimators.work_of_a_test"}
+    exec(compile(text, "work.py", "exec"), names)
+    return digest(names[name])
+
+
+SWAPPED = """
+from estimators._kernels import step
+
+@step()
+def one(x):
+    return 1.0 * x
+
+@step()
+def two(x):
+    return 2.0 * x
+
+def made(f, g):
+    def outer(x):
+        return f(x) - g(x)
+    return outer
+
+f, g = {order}
+
+def outer(x):
+    return f(x) - g(x)
+
+closed = made({order})
+"""
+
+
+@pytest.mark.parametrize("name", ["outer", "closed"])
+def test_steps_that_change_places_count(name):
+    assert of_text(SWAPPED.format(order="one, two"), name) != of_text(SWAPPED.format(order="two, one"), name)
+
+
+def test_steps_of_one_factory_that_change_places_count():
+    text = """
+from estimators._kernels import step
+
+def scaled(by):
+    @step()
+    def inner(x):
+        return by * x
+    return inner
+
+f, g = {order}
+
+def outer(x):
+    return f(x) - g(x)
+"""
+    assert of_text(text.format(order="scaled(1.0), scaled(2.0)")) != of_text(
+        text.format(order="scaled(2.0), scaled(1.0)")
+    )
+
+
+FLAGS = "import enum\nclass F(enum.Int{kind}):\n A = 1\n B = 2\n C = {last}\ndef outer(x): return x + F.C"
+
+
+@pytest.mark.parametrize(
+    ("text", "change"),
+    [
+        (
+            "import enum\nclass F(enum.IntFlag):\n A = 1\n B = 2\n C = 3\ndef outer(x): return x + F.C",
+            ("C = 3", "C = 1"),
+        ),
+        (
+            "import enum\nclass F(enum.IntEnum):\n A = 1\n B = 2\n C = 1\ndef outer(x): return x + F.C",
+            ("C = 1", "C = 2"),
+        ),
+        ("def outer(x):\n 'ab'\n return len('ab')", ("len('ab')", "len('abc')")),
+        (
+            "import numpy as np\nT = (np.array([1.0]),)\ndef outer(x): return T[0][0]",
+            ("[1.0]", "[1.00000000001]"),
+        ),
+        ("S = frozenset((1, 2))\ndef outer(x): return x in S", ("(1, 2)", "(1, 3)")),
+    ],
+    ids=["composite flag", "alias", "equal to the docstring", "array in a tuple", "set"],
+)
+def test_constants_of_every_kind_count(text, change):
+    assert of_text(text) != of_text(text.replace(*change))
+
+
+def test_a_constant_two_modules_away_counts():
+    def found(value: float) -> bytes:
+        inner, outer = ModuleType("estimators.inner_of_a_test"), ModuleType("estimators.outer_of_a_test")
+        inner.CONST, outer.sub = value, inner  # type: ignore[attr-defined]
+        names: dict[str, Any] = {"__name__": "estimators.work_of_a_test", "at": outer}
+        exec("def f(x): return x + at.sub.CONST", names)
+        return digest(names["f"])
+
+    assert found(1.0) != found(2.0)
+
+
 def test_words_lines_and_what_is_not_read_do_not_count():
     helper = "# A comment.\n\n" + HELPER.replace("{words}", "more").replace("a sentence", "another one")
     work = "import math\n# Moved down.\n\n" + WORK.replace("{words}", "other words")

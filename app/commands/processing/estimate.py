@@ -131,7 +131,7 @@ def estimated(measured: Recording, asked: Asked, say_line: Callable[[str], None]
         pipeline=asked.pipeline,
         # The arm pipeline leaves the legs out: they need not be still in the pose.
         placements=kind.used(cast(tuple[Placement, ...], measured.placements)),
-        rate_hz=asked.rate_hz or measured.nominal_rate_hz,
+        rate_hz=measured.nominal_rate_hz if asked.rate_hz is None else asked.rate_hz,
         orientation=orientation,
         orientation_parameters=asked.parameters,
         # As in the service for a person whom nobody measured.
