@@ -104,4 +104,4 @@ def _signature(number: Any) -> Any:
     )
 
 
-unpack = borrowing([_signature(types.int16), _signature(types.float32)])(unpack_python)
+unpack = borrowing([_signature(types.int16), _signature(types.float32)], is_entry=True)(unpack_python)
