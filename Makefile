@@ -39,7 +39,7 @@ $(VENV)/scaled: $(VENV)/installed requirements-scaled.lock
 # Kernels are compiled when they are first called. Tests need nearly all of them: here once, on two cores.
 KERNELS := $(shell find estimators -name '*.py' 2>/dev/null)
 $(VENV)/compiled: $(VENV)/scaled $(KERNELS)
-	@echo "Compiling the numerical kernels (a minute or two the first time) ..."
+	@echo "Compiling the numerical kernels (some minutes the first time) ..."
 	@$(BIN)/telemotion compile --processes 2
 	@touch $@
 

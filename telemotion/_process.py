@@ -65,7 +65,7 @@ def process(
     kind : str, optional
         Of session; what its sensors are worn for without.
     orientation : str, optional
-        Filter, a name of `telemotion estimators`; our own without.
+        Filter, a key of `estimators.orientation.available(with_offline=True)`; our own without.
     rate_hz : float, optional
         Of the common ticks, Hz; that of the recording without.
     pose_s : (float, float), optional

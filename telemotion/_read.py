@@ -24,7 +24,7 @@ class Read:
     recording : Recording
         Signals in SI units, sensor axes, each sensor on its own times.
     format : str
-        Of the file, a name of `telemotion readers`.
+        Of the file, a key of `app.readers.readers()`.
     kind : str
         Of session that its sensors are worn for: `arm`, `gait`, `orientation`.
     hemisphere : {"north", "south", "unknown"}

@@ -1,8 +1,8 @@
 """Kernels: compiled for their declared signature when they are first needed, and found again in the cache.
 
-Importing a module compiles and loads nothing. A kernel is made ready by its first call, or by the compilation of a
-kernel that calls it: from the cache in milliseconds, or compiled in up to half a minute. A service that must not wait
-for that in the middle of its work calls beforehand what it will need.
+Importing a module compiles and loads nothing. A kernel is made ready by its first call: from the cache in
+milliseconds, or compiled in up to half a minute. A service that must not wait for that in the middle of its work calls
+beforehand what it will need.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Kernels that came with the package: compiled where it was built, for any x86-64 processor of the last ten years."""
+"""Kernels that came with the package: compiled where it was built, for any x86-64 processor with AVX2."""
 
 import functools
 import json

@@ -131,9 +131,6 @@ def outer(x):
     )
 
 
-FLAGS = "import enum\nclass F(enum.Int{kind}):\n A = 1\n B = 2\n C = {last}\ndef outer(x): return x + F.C"
-
-
 @pytest.mark.parametrize(
     ("text", "change"),
     [
