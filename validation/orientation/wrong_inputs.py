@@ -22,8 +22,8 @@ _CUT_PERCENT: Final = 97.0
 _SMALLEST_RANGE: Final = {"gyroscope": np.radians(125.0), "accelerometer": 2.0 * GRAVITY_MPS2}
 """No device ends below: what is cut off there is no case."""
 _LEAST_CUT: Final = 0.01
-"""Of the largest reading. What takes less cannot be told from a calibration, and does no harm: of a sine about one axis
-the level that 3 % exceed takes 0.4 %."""
+"""Of the largest reading. What takes less cannot be distinguished from a calibration, and does no harm: of a sine about
+one axis the level that 3 % exceed takes 0.4 %."""
 _EVERY: Final = 3
 """Of the sensors of a whole body every third is taken: neighbours move alike."""
 HALVES: Final = ("first", "second")

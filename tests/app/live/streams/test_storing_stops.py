@@ -57,10 +57,14 @@ class Gateway:
         return time.monotonic() - started
 
 
+def beside_the_service(services: Services) -> sqlite3.Connection:
+    return sqlite3.connect(make_url(services.settings.database_url).database or "", isolation_level=None)
+
+
 @contextmanager
 def locked(services: Services) -> Iterator[None]:
     """Another connection holds SQLite's write lock."""
-    other = sqlite3.connect(make_url(services.settings.database_url).database or "", isolation_level=None)
+    other = beside_the_service(services)
     other.execute("BEGIN EXCLUSIVE")
     try:
         yield
@@ -73,6 +77,8 @@ def locked(services: Services) -> Iterator[None]:
 def full(services: Services) -> Iterator[None]:
     """The database may not grow by a page: SQLite answers as it does when the disk is full."""
     engine: Engine = services.engine
+    # Pages that nothing uses any more would take what comes for some seconds.
+    beside_the_service(services).execute("VACUUM").connection.close()
 
     def may_not_grow(connection: Any) -> None:
         (pages,) = connection.connection.driver_connection.execute("PRAGMA page_count").fetchone()
