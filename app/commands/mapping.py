@@ -139,14 +139,15 @@ def guessed_mapping(
     say_how_read(found, hemisphere)
     if guess.missing:
         needs_rate = any(one.code in {"guess.no_time", "guess.counter_needs_rate"} for one in guess.missing)
-        options = " Give the rate with --rate." if needs_rate else ""
-        complete = (
-            f"Complete {written} and pass it"
+        advice = (
+            f"complete {written} and pass it with --mapping"
             if written
-            else "Write one with `telemotion mapping` and pass it"
+            else "write one with `telemotion mapping` and pass it with --mapping"
         )
+        if needs_rate:
+            advice = f"say it with --rate, {'or' if len(guess.missing) == 1 else 'and'} {advice}"
         raise InvalidInput(
-            f"{' '.join(guess.missing)}{options} {complete} with --mapping.",
+            f"{' '.join(guess.missing)} {advice[:1].upper()}{advice[1:]}.",
             missing=[one.code for one in guess.missing],
         )
     from app.readers.tables.schemas import CsvMapping
