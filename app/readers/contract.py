@@ -11,6 +11,7 @@ from app.readers.tables.text import encoding_of, start_of
 
 if TYPE_CHECKING:
     from app.readers.tables.schemas import CsvMapping
+    from app.sentences import Sentence
     from estimators.recording import Recording
 
 TEXT: Final = frozenset({".csv", ".txt", ".tsv", ".dat", ".asc"})
@@ -126,6 +127,10 @@ class Reader(ABC):
     @abstractmethod
     def recognises(self, source: Source) -> bool:
         """Return whether a file seems to be of this format, by its name and beginning."""
+
+    def against(self, source: Source) -> "Sentence | None":
+        """Return what a file that it recognised is instead, as far as its beginning shows it."""
+        return None
 
     @abstractmethod
     def read(self, source: Source) -> "Recording":

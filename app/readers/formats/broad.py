@@ -1,5 +1,6 @@
 """Trials of the BROAD benchmark (`.mat` or `.hdf5`): one sensor and optical truth, for single-sensor work."""
 
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -103,6 +104,19 @@ def _other(file: "h5py.File") -> Sentence:
     return say("file.hdf5_unknown", names=[str(name)[:60] for name in list(file)[:6]])
 
 
+def _instead(start: bytes) -> Sentence | None:
+    """Return what an HDF5 is by its beginning, which may be all of it; None where it may be a trial."""
+    import h5py
+
+    try:
+        with h5py.File(BytesIO(start), "r") as file:
+            return None if _NAMES[0] in file else _other(file)
+    except (OSError, RuntimeError):
+        # Only its beginning: the names of the first groups stand in it.
+        is_of_sensors = any(name.encode() in start for name in _OF_APDM)
+    return say("file.hdf5_of_sensors") if is_of_sensors and _NAMES[0].encode() not in start else None
+
+
 class BroadReader(Reader):
     """A trial of the BROAD benchmark."""
 
@@ -115,6 +129,10 @@ class BroadReader(Reader):
     def recognises(self, source: Source) -> bool:
         """By its first bytes, or the names of its variables."""
         return source.start.startswith(_HDF5) or "imu_gyr" in source.variables
+
+    def against(self, source: Source) -> Sentence | None:
+        """Return which other HDF5 it is, by the names in it."""
+        return _instead(source.start) if source.start.startswith(_HDF5) else None
 
     def read(self, source: Source) -> Recording:
         """Read one trial."""

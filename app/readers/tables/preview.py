@@ -6,7 +6,8 @@ from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import Final, cast
 
-from app.readers.contract import Source
+from app.errors import RecordingFormatError
+from app.readers.contract import TEXT, Source
 from app.readers.registry import reader_of, recognised
 from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
 from app.readers.tables.head import TableHead, head_of
@@ -46,7 +47,7 @@ def preview_text(
     rate_hz: float | None = None,
     later: Sequence[bytes] = (),
 ) -> Preview:
-    """Say what a text file seems to be.
+    """Say what a file seems to be.
 
     Parameters
     ----------
@@ -62,12 +63,17 @@ def preview_text(
     Raises
     ------
     RecordingFormatError
-        It is no text, or no table can be made of it.
+        It is no recording, or no table can be made of it.
     """
     stem = PurePath(name).stem
-    reader = reader_of(text_format(name, start))
+    source = _source(name, start)
+    reader = reader_of(recognised(source))
     if reader.name == ZIPPED:
         return _preview_of_zip(name, start, pipeline, rate_hz)
+    if not reader.endings & TEXT:
+        if (other := reader.against(source)) is not None:
+            raise RecordingFormatError(other)
+        return Preview(reader.name, cast(PipelineName, reader.pipeline) or pipeline or "orientation")
     head = head_of(start, later=later)
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
@@ -97,18 +103,11 @@ def _preview_of_zip(name: str, start: bytes, pipeline: PipelineName | None, rate
         return preview_zip(path, pipeline, rate_hz)
 
 
-def text_format(name: str, start: bytes) -> str:
-    """Return the format that a text file seems to have.
-
-    Parameters
-    ----------
-    name : str
-        With its ending.
-    """
+def _source(name: str, start: bytes) -> Source:
     source = Source(Path(name))
     # Cached properties may be given: the file itself is not here.
     vars(source).update(start=start, variables=frozenset())
-    return recognised(source)
+    return source
 
 
-__all__ = ["Preview", "pipeline_for", "preview_text", "preview_zip", "text_format"]
+__all__ = ["Preview", "pipeline_for", "preview_text", "preview_zip"]

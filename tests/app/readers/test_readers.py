@@ -433,6 +433,24 @@ def test_an_hdf5_of_sensors_is_named_and_its_export_too(tmp_path: Path) -> None:
     with pytest.raises(RecordingFormatError) as refused:
         readers.read(path)
     assert codes(refused.value.message) == ["file.hdf5_of_sensors"]
+    # Before it is sent, by all of it or by its beginning.
+    for start in (path.read_bytes(), path.read_bytes()[:1500]):
+        with pytest.raises(RecordingFormatError) as refused:
+            readers.preview_text("sensors.h5", start)
+        assert codes(refused.value.message) == ["file.hdf5_of_sensors"]
+
+
+def test_a_trial_in_hdf5_with_another_ending_is_recognised_before_it_is_sent(tmp_path: Path) -> None:
+    path = tmp_path / "trial.h5"
+    with h5py.File(path, "w") as file:
+        file["imu_gyr"] = np.zeros((10, 3))
+    for start in (path.read_bytes(), path.read_bytes()[:1500]):
+        assert readers.preview_text(path.name, start).format == "broad"
+
+
+def test_a_packet_log_with_another_ending_is_recognised_before_it_is_sent() -> None:
+    found = readers.preview_text("session.bin", b"TML1" + bytes(range(256)), "arm")
+    assert (found.format, found.pipeline) == ("packet_log", "arm")
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ _NEAR, _NEAR_SHARE = 20.0, 0.02
 """In steps, and of its length: so near to its ends is a clock seen that lost a few samples there."""
 _MOST_NEAR: Final = 0.25
 """Of its length, for clocks of few steps."""
-_HOLE, _HOLE_SHARE = 100.0, 0.08
+_HOLE, _HOLE_SHARE = 250.0, 0.08
 """In steps, and of its length: samples that are lost where a clock runs over its end."""
 _BACK: Final = 0.9
 """Of a wrap: so far ahead is a row that came late and not one that follows."""

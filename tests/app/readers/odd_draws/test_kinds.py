@@ -301,11 +301,14 @@ def test_stamps_that_run_over_their_end_early_have_the_unit_of_their_steps(tmp_p
     assert "guess.time_unit" not in said
 
 
-def test_a_clock_of_two_bytes_that_ran_over_its_end_in_a_hole():
-    true = 50.0 * np.arange(200) + 61_038.0
-    there = np.ones(200, dtype=bool)
-    there[42:99] = False
+@pytest.mark.parametrize(("step", "lost"), [(50.0, 57), (20.0, 101), (5.0, 230)])
+def test_a_clock_of_two_bytes_that_ran_over_its_end_in_a_hole(step, lost):
+    true = step * np.arange(400) + 65_538.0 - step * (42 + 0.5 * lost)
+    there = np.ones(400, dtype=bool)
+    there[42 : 42 + lost] = False
     np.testing.assert_array_equal(gone_on(np.mod(true, 65_536.0)[there]), true[there])
-    # Started again it begins at its zero.
-    again = np.concatenate([true[:42], 50.0 * np.arange(100)])
+
+
+def test_a_clock_of_two_bytes_that_was_started_again_begins_at_its_zero():
+    again = 50.0 * np.concatenate([np.arange(1220, 1262), np.arange(100)])
     np.testing.assert_array_equal(gone_on(again), again)
