@@ -28,4 +28,16 @@ configure({ asyncUtilTimeout: PATIENCE_MS });
 const waitFor = vi.waitFor.bind(vi);
 vi.waitFor = (callback, options) => waitFor(callback, options ?? { timeout: PATIENCE_MS });
 
-afterEach(cleanup);
+// React says it and goes on, with parts of an earlier page left on the screen.
+const twice: unknown[] = [];
+const complain = console.error.bind(console);
+console.error = (...said: unknown[]) => {
+  if (String(said[0]).includes('two children with the same key')) twice.push(said[1]);
+  complain(...said);
+};
+
+afterEach(() => {
+  cleanup();
+  const keys = twice.splice(0);
+  if (keys.length) throw new Error(`two children with the same key: ${keys.join(', ')}`);
+});

@@ -170,7 +170,7 @@ export function UploadPage() {
           {formats.error && <Problem error={formats.error} />}
           {file && !table.isLooking && (
             <FormatChoice
-              key={`${file.name} ${file.lastModified}`}
+              key={`format of ${file.name} ${file.lastModified}`}
               value={format}
               formats={formats.data ?? []}
               isRecognised={table.seen !== null || !isLookedAt(file.name)}
@@ -194,7 +194,7 @@ export function UploadPage() {
           )}
           {file && format?.needs_mapping && table.seen && mapping && !table.isLooking && (
             <TablePart
-              key={`${file.name} ${file.lastModified}`}
+              key={`table ${file.name} ${file.lastModified}`}
               seen={table.seen}
               mapping={mapping}
               isChanging={table.isChanging}

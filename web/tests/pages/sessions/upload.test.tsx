@@ -296,6 +296,14 @@ describe('a table', () => {
 });
 
 describe('what a table is taken for', () => {
+  it('is said once, also of the next file', async () => {
+    const { container, user } = await choose(preview({ sensors: [SENSOR] }));
+    await screen.findByText('Recognised as');
+    await user.upload(await fileInput(container), new File(['t,gyr_x'], 'other.csv'));
+    await screen.findByText('other.csv');
+    expect(await screen.findAllByText('Recognised as')).toHaveLength(1);
+  });
+
   it('is said in a sentence with the curves of each sensor, before anything is sent', async () => {
     await choose(preview({ sensors: [SENSOR] }));
     expect(await screen.findByText(/gyroscope in °\/s/)).toBeTruthy();
