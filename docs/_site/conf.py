@@ -9,10 +9,15 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from numpy import bool_, float64, int64
+from numpy.typing import ArrayLike, NDArray
 from sphinx.application import Sphinx
+from sphinx.util.typing import stringify_annotation
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+from mathml import font  # noqa: E402
 
 project = "Telemotion"
 author = "The authors of Telemotion"
@@ -43,9 +48,10 @@ nitpick_ignore_regex = [("py:.*", "(?s).*")]
 html_theme = "furo"
 html_title = "Telemotion"
 html_math_renderer = "mathml"
-html_static_path = [str(HERE / "static")]
+html_static_path = [str(HERE / "static"), str(font())]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_show_copyright = False
 html_show_sphinx = False
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#0b6e69", "color-brand-content": "#0b6e69"},
@@ -58,6 +64,28 @@ def _without_fields(app: Sphinx, what: str, name: str, one: object, skip: bool, 
     return True if (getattr(one, "__doc__", None) or "").startswith("Alias for field number") else None
 
 
+_SHORT = {
+    stringify_annotation(kind, "smart"): name
+    for kind, name in [
+        (ArrayLike, "ArrayLike"),
+        (NDArray[float64], "Float"),
+        (NDArray[int64], "NDArray[int64]"),
+        (NDArray[bool_], "NDArray[bool]"),
+    ]
+}
+
+
+def _short_types(
+    app: Sphinx, what: str, name: str, one: object, options: Any, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Write types of arrays as the source does, not as numpy spells them out."""
+    for long, short in _SHORT.items():
+        signature = signature and signature.replace(long, short)
+        returned = returned and returned.replace(long, short)
+    return signature, returned
+
+
 def setup(app: Sphinx) -> None:
-    """Connect the rule of what is left out."""
+    """Connect the rules of what is left out and how types are written."""
     app.connect("autodoc-skip-member", _without_fields)
+    app.connect("autodoc-process-signature", _short_types)
