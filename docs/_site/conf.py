@@ -19,6 +19,8 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
 from mathml import font  # noqa: E402
 
+from estimators.conventions import Placement  # noqa: E402
+
 project = "Telemotion"
 author = "The authors of Telemotion"
 version = release = metadata.version("telemotion")
@@ -71,6 +73,7 @@ _SHORT = {
         (NDArray[float64], "Float"),
         (NDArray[int64], "NDArray[int64]"),
         (NDArray[bool_], "NDArray[bool]"),
+        (Placement, "Placement"),
     ]
 }
 
@@ -78,7 +81,7 @@ _SHORT = {
 def _short_types(
     app: Sphinx, what: str, name: str, one: object, options: Any, signature: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
-    """Write types of arrays as the source does, not as numpy spells them out."""
+    """Write types as the source does, not spelled out."""
     for long, short in _SHORT.items():
         signature = signature and signature.replace(long, short)
         returned = returned and returned.replace(long, short)
