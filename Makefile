@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-returns bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-returns bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy docs lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -34,6 +34,11 @@ $(VENV)/installed: requirements.lock pyproject.toml
 # What edges and workers need besides; the service in one process does without.
 $(VENV)/scaled: $(VENV)/installed requirements-scaled.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-scaled.lock
+	@touch $@
+
+# What builds the documentation site; the service and its tests do without.
+$(VENV)/docs: $(VENV)/installed requirements-docs.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
 	@touch $@
 
 # Kernels are compiled when they are first called. Tests need nearly all of them: here once, on two cores.
@@ -148,10 +153,16 @@ validate: $(VENV)/installed ## Published experiments, ours beside theirs
 accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md anew; DATA=folder of recordings
 	@$(BIN)/telemotion validate --seeds 50 --processes 2 --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
 
+docs: $(VENV)/docs ## Build the documentation site into build/docs; a warning is an error
+	@$(BIN)/python -m sphinx -b html -c docs/_site -W --keep-going -n -q -d build/doctrees docs build/docs
+	@echo "The site begins at build/docs/index.html"
+
 lock: ## Rewrite the lock files from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
 	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --no-annotate --constraint requirements.lock --python-version 3.11 pyproject.toml -o requirements-service.lock
 	grep -oE '"(nats|paho)-[a-z-]+==[0-9.]+"' pyproject.toml | tr -d '"' | uv pip compile --quiet --universal --generate-hashes --no-deps --no-header --no-annotate - -o requirements-scaled.lock
+	$(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"], sep="\n")' \
+		| uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --no-annotate --constraint requirements.lock --python-version 3.11 - -o requirements-docs.lock
 
 wheel: $(VENV)/scaled web/dist/index.html ## Build a wheel that carries the browser client and the compiled kernels
 	@rm -rf app/static && cp -r web/dist app/static

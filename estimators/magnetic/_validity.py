@@ -29,7 +29,7 @@ def linearisation_error_percent(source: Source, coil: int, position_m: ArrayLike
 
 
 def curvature_per_m2(source: Source, coil: int, position_m: ArrayLike, step_m: float = 1e-4) -> Float:
-    """Return |d2B/dp_i^2| / |B| along the three axes, shape (..., 3): predicts the linearisation error.
+    """Return ``|d2B/dp_i^2| / |B|`` along the three axes, shape (..., 3): predicts the linearisation error.
 
     The error of a step a along axis i is about 50 a^2 times this, in percent (method page 4.7).
     """

@@ -17,9 +17,7 @@ def tracked(*patterns: str) -> list[Path]:
 
 
 def test_locks_hold_no_registry_addresses() -> None:
-    for path in tracked(
-        "requirements.lock", "requirements-scaled.lock", "web/package-lock.json", "web/.npmrc"
-    ):
+    for path in tracked("requirements*.lock", "web/package-lock.json", "web/.npmrc"):
         text = path.read_text()
         assert not re.search(r"index[-]url|\"resolved\": *\"https?:/{2}|^registry *=", text, re.MULTILINE), (
             path

@@ -186,7 +186,7 @@ class FiveJointPose(NamedTuple):
     residual_rad : ndarray, shape (...)
         theta_r of (4.14): carrying angle plus mounting error, which five joints cannot represent.
     wrist_error_m : ndarray, shape (...)
-        How far the wrist is off because of it, 2 L_F sin(|theta_r| / 2).
+        How far the wrist is off because of it, ``2 L_F sin(|theta_r| / 2)``.
     singular_distance_rad : ndarray, shape (...)
         Of the shoulder: the second joint from 0 or 180 degrees, whichever is nearer.
     """

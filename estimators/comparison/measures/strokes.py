@@ -38,7 +38,7 @@ def outward_stroke(path_m: Float, rate_hz: float) -> slice:
 
 
 def log_dimensionless_jerk(velocity: Float, rate_hz: float, cut_off_hz: float | None = CUT_OFF_HZ) -> float:
-    """Return the smoothness of one stroke: -ln(D^3 / v_p^2 integral |v''|^2 dt).
+    """Return the smoothness of one stroke: ``-ln(D^3 / v_p^2 integral |v''|^2 dt)``.
 
     Parameters
     ----------
