@@ -58,7 +58,6 @@ class CountedRepetition:
 
     Attributes
     ----------
-    kind : {"valid", "partial", "wrong", "ignored"}
     attempt : int
         Number of the attempt, from 1, ignored ones included.
     start_tick, end_tick : int

@@ -67,7 +67,6 @@ async def stream(
         Signed in as somebody who may treat the patient.
     options : RelativeOptions
         Without `no_implants` nobody has confirmed anything, and the service refuses the gateway.
-    say : callable(text)
 
     Returns
     -------

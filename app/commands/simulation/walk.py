@@ -82,13 +82,8 @@ async def stream(
     ----------
     service : ServiceClient
         Signed in as somebody who may treat the patient.
-    say : callable(text)
     recording : Recording, optional
         Sent instead of what the sensors of the simulated walk give.
-
-    Returns
-    -------
-    (str, GatewayReport)
     """
     _, measured, apart_m = await asyncio.to_thread(walk_of, options)
     device = stream_of(measured if recording is None else recording)
