@@ -8,7 +8,7 @@ from typing import Final, cast
 
 from app.readers.contract import Source
 from app.readers.registry import reader_of, recognised
-from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
+from app.readers.tables.guess import Guess, PipelineName, guess_of_head
 from app.readers.tables.head import TableHead, head_of
 from app.readers.tables.tall import of_tall, tall_of
 from app.readers.tables.text import HEAD_BYTES
@@ -109,6 +109,3 @@ def text_format(name: str, start: bytes) -> str:
     # Cached properties may be given: the file itself is not here.
     vars(source).update(start=start, variables=frozenset())
     return recognised(source)
-
-
-__all__ = ["Preview", "pipeline_for", "preview_text", "preview_zip", "text_format"]
