@@ -10,24 +10,12 @@ from typing import Annotated
 import typer
 
 from app.commands.options.declared import add_commands
-from app.commands.options.demo import compile_kernels, demo, demo_scaled
-from app.commands.options.mass_centre import mass_centre
-from app.commands.options.recordings import CalibrateOptions, FuseOptions
+from app.commands.options.recordings import CalibrateOptions, FuseOptions, MassCentreOptions, ProcessOptions
 from app.commands.options.simulate import SimulateOptions
-from app.commands.options.tables import mapping, upload
-from app.commands.options.words import (
-    Guess,
-    Hemisphere,
-    Mapping,
-    NewPassword,
-    OutFolder,
-    PasswordFile,
-    Port,
-    Pose,
-    Rate,
-    RecordingFiles,
-    RecordingFormat,
-)
+from app.commands.options.starting import CompileOptions, DemoOptions, NatsOptions, ScaledDemoOptions
+from app.commands.options.tables import MappingOptions, UploadOptions
+from app.commands.options.validate import ValidateOptions
+from app.commands.options.words import NewPassword, PasswordFile, Port
 
 cli = typer.Typer(
     name="telemotion",
@@ -36,13 +24,18 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-cli.command("mass-centre")(mass_centre)
-cli.command()(demo)
-cli.command("demo-scaled")(demo_scaled)
-cli.command("compile")(compile_kernels)
-cli.command()(upload)
-cli.command()(mapping)
-add_commands(cli, SimulateOptions, FuseOptions, CalibrateOptions)
+add_commands(
+    cli,
+    MassCentreOptions,
+    DemoOptions,
+    ScaledDemoOptions,
+    CompileOptions,
+    UploadOptions,
+    MappingOptions,
+    SimulateOptions,
+    FuseOptions,
+    CalibrateOptions,
+)
 
 
 @cli.command()
@@ -95,27 +88,7 @@ def worker(
     command.worker(host, port)
 
 
-@cli.command("nats-config")
-def nats_config(
-    out: Annotated[
-        Path, typer.Argument(help="File to write; it holds a password, and only you may read it.")
-    ],
-    listen: Annotated[str, typer.Option(help="Where edges and workers connect.")] = "127.0.0.1:4222",
-    mqtt: Annotated[str, typer.Option(help="Where gateways connect by MQTT.")] = "127.0.0.1:1883",
-    store: Annotated[str, typer.Option(help="Folder of the server's streams.")] = "var/nats",
-    name: Annotated[str, typer.Option(help="Of the server.")] = "telemotion",
-    tls: Annotated[str, typer.Option(help="CERTIFICATE,KEY: files of the TLS for gateways.")] = "",
-    listen_tls: Annotated[
-        str, typer.Option(help="CERTIFICATE,KEY: files of the TLS for edges and workers.")
-    ] = "",
-) -> None:
-    """Write the configuration of a NATS server that takes gateways by MQTT, where edges say which of them may connect.
-
-    TELEMOTION_SECRET_KEY and TELEMOTION_NATS_URL, with user and password, are those of the edges.
-    """
-    from app.commands import scaled as command
-
-    command.nats_config(listen, mqtt, store, name, tls, listen_tls, out)
+add_commands(cli, NatsOptions)
 
 
 @cli.command()
@@ -144,53 +117,7 @@ def create_clinic(
     command.create_clinic(clinic, email, name, password)
 
 
-@cli.command()
-def process(
-    recording: RecordingFiles,
-    out: OutFolder,
-    pipeline: Annotated[
-        str,
-        typer.Option(
-            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts;"
-            " default: what the sensors are worn for."
-        ),
-    ] = "",
-    orientation: Annotated[
-        str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
-    ] = "",
-    format: RecordingFormat = "auto",
-    mapping: Mapping = None,
-    guess: Guess = False,
-    rate: Rate = None,
-    pose: Pose = None,
-    parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}",
-    force: Annotated[
-        bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
-    ] = False,
-    hemisphere: Hemisphere = "",
-) -> None:
-    """Estimate a recording without a server; writes frames.parquet, frames.csv, columns.json, setup.json.
-
-    Example: telemotion process walk.mat --pipeline orientation --orientation vqf --out results
-    """
-    from app.commands import process as command
-    from app.commands.options.several import as_one
-
-    with as_one(recording) as one:
-        command.process(
-            one,
-            out,
-            pipeline,
-            orientation,
-            format,
-            mapping,
-            rate,
-            pose,
-            parameters,
-            force,
-            hemisphere or "north",
-            guess,
-        )
+add_commands(cli, ProcessOptions)
 
 
 @cli.command()
@@ -251,49 +178,7 @@ def audit_verify(
     command.audit_verify(against)
 
 
-@cli.command()
-def validate(
-    names: Annotated[
-        list[str] | None, typer.Argument(help="Protocols to run; all when none is named.")
-    ] = None,
-    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=1000)] = 20,
-    first_seed: Annotated[
-        int | None,
-        typer.Option(help="Use this seed and those after it; drawn from the version by default.", min=0),
-    ] = None,
-    processes: Annotated[int, typer.Option(help="How many processes work at once.", min=1)] = 1,
-    data: Annotated[
-        Path | None,
-        typer.Option(
-            help="Folder of recordings (BROAD, PyShoe, gaitmap, x-io); without, their protocols are left out."
-        ),
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
-    list_only: Annotated[bool, typer.Option("--list", help="Only name the protocols.")] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Also write the report with its plots to this JSON file.")
-    ] = None,
-    page: Annotated[Path | None, typer.Option(help="Also write a Markdown page to this file.")] = None,
-    into: Annotated[
-        Path | None,
-        typer.Option(help="Put the results into this report of all protocols; --page is then of the whole."),
-    ] = None,
-) -> None:
-    """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
-    from app.commands import validate as command
-
-    command.validate(
-        names or None,
-        seeds,
-        first_seed,
-        processes,
-        data,
-        json=json,
-        list_only=list_only,
-        out=out,
-        page=page,
-        into=into,
-    )
+add_commands(cli, ValidateOptions)
 
 
 def main() -> None:

@@ -84,7 +84,6 @@ class Limits:
 
         Parameters
         ----------
-        scope : {"account", "clinic", "service"}
         key : str
             Of the account or clinic.
         """

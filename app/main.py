@@ -41,7 +41,6 @@ from app.edge.client import client_router
 from app.edge.demonstration import router as demonstration_router
 from app.edge.documentation import router as documentation_router
 from app.edge.health import router as health_router
-from app.edge.health import service_version
 from app.edge.hosts import KnownHosts
 from app.edge.metrics import router as metrics_router
 from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors, WholeAddresses
@@ -79,6 +78,7 @@ from app.recordings.signals.disk import DiskUse
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.services import Services
 from app.settings import Settings
+from app.version import service_version
 from app.viewer import open_viewer
 from app.viewer import router as viewer_router
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.channels import CHANNELS
-from estimators.conventions import Placement
 from estimators.errors import ShapeError
 from estimators.samples import Samples
 
@@ -172,6 +171,3 @@ class Recording:
             return 0.0
         first = min(float(sensor.time_s[0]) for sensor in self.sensors.values())
         return max(float(sensor.time_s[-1]) for sensor in self.sensors.values()) - first
-
-
-__all__ = ["Float", "ImuChunk", "Placement", "Recording", "SampleQuality", "SensorSignals"]

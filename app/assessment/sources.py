@@ -10,6 +10,3 @@ from app.recordings.models import MotionSession, Result
 def load_source(session: Session, found: MotionSession, result: Result) -> Source:
     """Read a result as what is compared, by its kind; access was checked."""
     return kind_of(result.setup).compared(session, found, result)
-
-
-__all__ = ["Source", "load_source"]

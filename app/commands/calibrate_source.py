@@ -104,6 +104,3 @@ def read_places(path: Path) -> list[tuple[float, float, float] | None]:
                 ) from error
             places.append((x, y, z))
     return places
-
-
-__all__ = ["CalibrateOptions", "calibrate_source", "read_places"]

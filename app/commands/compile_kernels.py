@@ -13,23 +13,16 @@ from pathlib import Path
 import typer
 
 import estimators
+from app.commands.options.starting import CompileOptions
 from app.errors import InvalidInput
 from estimators.compiling import PROCESSOR, Kernel, is_labelled, label
 
 
-def compile_kernels(processes: int, into: Path | None = None) -> None:
-    """Compile what is in no cache yet.
-
-    Parameters
-    ----------
-    processes : int
-        At once.
-    into : Path, optional
-        Folder in which kernels for any x86-64-v3 processor are put, to be carried in a package; otherwise they are
-        compiled for this processor, into its cache.
-    """
+def compile_kernels(options: CompileOptions) -> None:
+    """Compile what is in no cache yet, for this processor into its cache, or for a package into a folder."""
+    into = options.into
     if into is None:
-        _compile(processes)
+        _compile(options.processes)
         return
     if into.exists() and any(into.iterdir()) and not is_labelled(into):
         raise InvalidInput(f"{into} holds something else; name a new or empty folder")
@@ -37,7 +30,7 @@ def compile_kernels(processes: int, into: Path | None = None) -> None:
     os.environ |= {"NUMBA_CPU_NAME": PROCESSOR, "NUMBA_CPU_FEATURES": ""}
     with tempfile.TemporaryDirectory() as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
-        count = _compile(processes)
+        count = _compile(options.processes)
         made = sorted(Path(folder).rglob("*.nb[ci]"))
         if len(made) < 2 * count:
             raise InvalidInput(f"of {count} kernels only {len(made) // 2} could be stored")

@@ -11,6 +11,7 @@ from typing import Final
 
 import typer
 
+from app.commands.options.starting import DemoOptions
 from app.commands.serve import claim, run
 from app.database.writer_lock import LOCK_SUFFIX
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST, prepare
@@ -23,21 +24,9 @@ _ANSWER_POLL_S: Final = 0.1
 HISTORY_COMES: Final = "  Past sessions are being made; they appear one after the other."
 
 
-def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | None = None) -> None:
-    """Prepare the demonstration's people, start its companions, and serve.
-
-    Parameters
-    ----------
-    folder : Path
-        Database and files in passing.
-    fresh : bool
-        Throw an earlier demonstration away.
-    stream : bool
-        Start the simulated patient.
-    started_s : float, optional
-        Since the epoch: from when stages are timed; by default from now.
-    """
-    started_s = started_s or time.time()
+def demo(options: DemoOptions) -> None:
+    """Prepare the demonstration's people, start its companions, and serve."""
+    port, folder, started_s = options.port, options.folder, options.started_s or time.time()
     database = folder / "telemotion.db"
     if folder.exists() and not database.exists() and _contents(folder):
         raise InvalidInput(f"{folder} holds something else; name a new or empty folder")
@@ -50,12 +39,12 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | 
         log_level="warning",
     )
     with claim(settings, "127.0.0.1", port, "telemotion demo") as (listener, lock):
-        _empty_unless_begun(folder, fresh)
+        _empty_unless_begun(folder, options.fresh)
         progress = prepare(settings.database_url, folder)
-        commands = companions(server, started_s, progress, settings.database_url, stream=stream)
+        commands = companions(server, started_s, progress, settings.database_url, stream=options.stream)
         running = [subprocess.Popen(words) for words in commands]  # noqa: S603 - our own interpreter and module
         threading.Thread(
-            target=_welcome, args=(port, server, started_s, stream, progress.is_complete), daemon=True
+            target=_welcome, args=(port, server, started_s, options.stream, progress.is_complete), daemon=True
         ).start()
         try:
             run(settings, listener, lock)

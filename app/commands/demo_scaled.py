@@ -21,6 +21,7 @@ import typer
 from pydantic import SecretStr
 
 from app.commands.demo import HISTORY_COMES, answers, companions
+from app.commands.options.starting import ScaledDemoOptions
 from app.commands.serve import listen
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST, prepare
 from app.errors import InvalidInput, Unavailable
@@ -39,15 +40,8 @@ START_S: Final = 1800.0
 END_S: Final = 20.0
 
 
-def demo_scaled(port: int, folder: Path) -> None:
+def demo_scaled(options: ScaledDemoOptions) -> None:
     """Bring everything up, with a simulated patient, until interrupted.
-
-    Parameters
-    ----------
-    port : int
-        Of the first edge; the next ports are those of the other edge and of the workers.
-    folder : Path
-        Where NATS and PostgreSQL store.
 
     Raises
     ------
@@ -56,6 +50,7 @@ def demo_scaled(port: int, folder: Path) -> None:
     Conflict
         A port is taken.
     """
+    port, folder = options.port, options.folder
     server = shutil.which(
         "nats-server", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     )

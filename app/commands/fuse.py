@@ -188,6 +188,3 @@ def _say(report: MarkerReport, fusion: OpticalFusion, sensor: str, out: Path) ->
 
 def _millimetres(values: list[float], digits: int = 1) -> str:
     return ", ".join(f"{1e3 * value:.{digits}f}" for value in values)
-
-
-__all__ = ["FuseOptions", "fuse"]

@@ -8,6 +8,8 @@ import typer
 from pydantic import ValidationError
 
 from app import readers
+from app.commands.options.several import as_one
+from app.commands.options.tables import MappingOptions
 from app.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -37,17 +39,8 @@ def mapping_from(path: Path) -> "CsvMapping":
         raise InvalidInput(f"{path} is no JSON file: {error}") from None
 
 
-def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None) -> None:
+def mapping(options: MappingOptions) -> None:
     """Write the mapping of a table as far as it can be guessed: `telemotion mapping`.
-
-    Parameters
-    ----------
-    out : Path or None
-        File to write; None writes to standard output.
-    pipeline : str
-        What the recording is for; empty: what its sensors are worn for.
-    rate_hz : float or None
-        Of the samples, where no column holds the time.
 
     Raises
     ------
@@ -56,14 +49,15 @@ def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None)
     RecordingFormatError
         It is no table.
     """
-    found = previewed(table, pipeline, rate_hz)
+    with as_one(options.table) as table:
+        found = previewed(table, options.pipeline, options.rate_hz)
     if found.guess is None:
         raise InvalidInput(f"{table} is a file of the format {found.format}: it is read without a mapping")
     text = as_json(found.guess)
-    if out is None:
+    if options.out is None:
         typer.echo(text)
     else:
-        out.write_text(text + "\n", "utf-8")
+        options.out.write_text(text + "\n", "utf-8")
     look = say_how_read(found)
     for line in look.missing:
         typer.echo(line, err=True)

@@ -2,12 +2,12 @@
 
 import csv
 import json
-from pathlib import Path
 
 import numpy as np
 import typer
 
 from app import readers
+from app.commands.options.recordings import MassCentreOptions
 from app.errors import InvalidInput
 from app.readers.tables.schemas import CsvMapping
 from estimators import pipelines
@@ -17,39 +17,16 @@ from estimators.conventions import PLACEMENTS
 from estimators.pipelines import SessionSetup
 
 
-def mass_centre(
-    recording: Path,
-    out: Path,
-    format: str,
-    mapping: Path | None,
-    rate: float | None,
-    pose: tuple[float, float] | None,
-    stature_m: float,
-) -> None:
+def mass_centre(options: MassCentreOptions) -> None:
     """Estimate the centre of mass and write `mass_centre.csv` and `mass_centre.json`.
-
-    Parameters
-    ----------
-    out : Path
-        Folder, made when absent.
-    format : str
-        `auto` goes by the file's ending and content.
-    mapping : Path or None
-        JSON with the fields of `CsvMapping`.
-    rate : float or None
-        Common tick rate; None keeps that of the recording.
-    pose : (float, float) or None
-        Interval of the N-pose in recording time; None looks for the first stillness.
-    stature_m : float
-        Body height, which scales all lengths.
 
     Raises
     ------
     InvalidInput
         When the sensors that are needed are not worn.
     """
-    columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
-    measured = readers.read(recording, format, columns)
+    columns = CsvMapping.model_validate_json(options.mapping.read_text()) if options.mapping else None
+    measured, out = readers.read(options.recording, options.format, columns), options.out
     worn = tuple(name for name in measured.placements if name in PLACEMENTS)
     if not has_mass_centre(worn):
         raise InvalidInput(
@@ -59,10 +36,10 @@ def mass_centre(
     setup = SessionSetup(
         pipeline="arm",
         placements=worn,
-        rate_hz=rate or measured.nominal_rate_hz,
-        body=body_from_stature(stature_m),
+        rate_hz=options.rate_hz or measured.nominal_rate_hz,
+        body=body_from_stature(options.stature_m),
     )
-    frames, used = pipelines.run(measured, setup, pose)
+    frames, used = pipelines.run(measured, setup, options.pose_s)
     found = frames.scalar[:, [frames.layout.scalars.index(name) for name in MASS_SCALARS]]
     out.mkdir(parents=True, exist_ok=True)
     with (out / "mass_centre.csv").open("w", newline="", encoding="utf-8") as file:

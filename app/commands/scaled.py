@@ -6,6 +6,7 @@ from typing import Final
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app import logs
+from app.commands.options.starting import NatsOptions
 from app.commands.private_folder import make_private
 from app.commands.serve import imported_for_good, listen, run_application
 from app.database.writer_lock import shared_lock
@@ -58,15 +59,8 @@ def worker(host: str, port: int) -> None:
         run_application(settings, _Guarded(create_worker(settings, lock, name)), listener)
 
 
-def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, listen_tls: str, out: Path) -> None:
-    """Write the configuration of a NATS server that takes gateways by MQTT.
-
-    Parameters
-    ----------
-    listen, mqtt, store, name, tls, listen_tls : str
-        See `app.scaled.mqtt.configuration`.
-    out : Path
-        Only its owner may read it: it holds the password of edges and workers.
+def nats_config(options: NatsOptions) -> None:
+    """Write the configuration of a NATS server that takes gateways by MQTT; only its owner may read it.
 
     Raises
     ------
@@ -75,9 +69,9 @@ def nats_config(listen: str, mqtt: str, store: str, name: str, tls: str, listen_
     """
     from app.scaled.mqtt.configuration import configuration
 
-    text = configuration(
-        Settings(), listen=listen, mqtt=mqtt, store=store, name=name, tls=tls, listen_tls=listen_tls
-    )
+    words = vars(options).copy()
+    out: Path = words.pop("out")
+    text = configuration(Settings(), **words)
     out.unlink(missing_ok=True)
     out.touch(mode=0o600)
     out.write_text(text)

@@ -1,14 +1,14 @@
 """`telemotion upload`: a whole recording to a service, with its progress."""
 
 import asyncio
-from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 import typer
 
 from app import readers
 from app.commands.mapping import guessed_mapping, mapping_from, previewed
+from app.commands.options.several import as_one
+from app.commands.options.tables import UploadOptions
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import ServiceClient
 from app.recordings.schemas import JobOut, UploadIn
@@ -80,23 +80,7 @@ async def finished(service: ServiceClient, session_id: str, show: bool = False) 
         await asyncio.sleep(POLL_S)
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What a person says of a file; see `telemotion upload --help`."""
-
-    patient: str
-    exercise: str | None = None
-    format: str = "auto"
-    mapping: Path | None = None
-    guess: bool = False
-    pipeline: str = ""
-    rate_hz: float | None = None
-    force: bool = False
-    recorded_at: datetime | None = None
-    hemisphere: str | None = None
-
-
-def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
+def declaration_of(recording: Path, options: UploadOptions) -> UploadIn:
     """Return the declaration of a file, guessed where it was not said.
 
     Raises
@@ -104,13 +88,13 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
     InvalidInput
         Something that is needed was not given, or is not understood.
     """
-    if wanted.mapping and wanted.guess:
+    if options.mapping and options.guess:
         raise InvalidInput("give --mapping or --guess, not both")
-    format, pipeline = wanted.format, wanted.pipeline
-    columns = mapping_from(wanted.mapping) if wanted.mapping else None
-    if wanted.guess:
-        found = previewed(recording, pipeline, wanted.rate_hz)
-        columns = guessed_mapping(found, None, wanted.hemisphere)
+    format, pipeline, hemisphere = options.format, options.pipeline, options.hemisphere or None
+    columns = mapping_from(options.mapping) if options.mapping else None
+    if options.guess:
+        found = previewed(recording, pipeline, options.rate_hz)
+        columns = guessed_mapping(found, None, hemisphere)
         format, pipeline = found.format, pipeline or found.pipeline
     elif format == "auto":
         format = readers.format_of(recording, columns)
@@ -122,20 +106,20 @@ def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
         )
     return UploadIn.model_validate(
         {
-            "patient_id": wanted.patient,
-            "exercise_id": wanted.exercise,
+            "patient_id": options.patient,
+            "exercise_id": options.exercise or None,
             "format": format,
             "file_name": recording.name[-200:],
             "csv": columns,
             "pipeline": pipeline or None,
-            "accept_implausible": wanted.force,
-            "hemisphere": wanted.hemisphere,
-            "recorded_at": wanted.recorded_at and wanted.recorded_at.astimezone().isoformat(),
+            "accept_implausible": options.force,
+            "hemisphere": hemisphere,
+            "recorded_at": options.recorded_at and options.recorded_at.astimezone().isoformat(),
         }
     )
 
 
-def upload(recording: Path, wanted: Wanted, server: str, email: str, password: str) -> None:
+def upload(options: UploadOptions) -> None:
     """Run the command; see `telemotion upload --help`.
 
     Raises
@@ -143,14 +127,15 @@ def upload(recording: Path, wanted: Wanted, server: str, email: str, password: s
     InvalidInput
         Something that is needed was not given, or is not understood.
     """
-    if not email or not password:
+    if not options.email or not options.password:
         raise InvalidInput("--email and --password must be given; see `telemotion upload --help`")
-    asyncio.run(_upload(recording, declaration_of(recording, wanted), server, email, password))
+    with as_one(options.recording) as recording:
+        asyncio.run(_upload(recording, declaration_of(recording, options), options))
 
 
-async def _upload(path: Path, declaration: UploadIn, server: str, email: str, password: str) -> None:
-    async with ServiceClient(server) as service:
-        await service.sign_in(email, password)
+async def _upload(path: Path, declaration: UploadIn, options: UploadOptions) -> None:
+    async with ServiceClient(options.server) as service:
+        await service.sign_in(options.email, options.password)
         job = await send(service, path, declaration)
         typer.echo("received")
         await finished(service, job.session_id, show=True)

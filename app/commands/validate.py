@@ -13,51 +13,21 @@ import validation
 from app import readers
 from app.accuracy import AccuracyReport
 from app.accuracy.report import fresh_seed, make_report, renewed
+from app.commands.options.validate import ValidateOptions
 from app.errors import InvalidInput
 from app.readers.tables.schemas import CsvMapping
 from estimators.recording import Recording, SensorSignals
 from validation import ProtocolResult, Values
 
 
-def validate(
-    names: list[str] | None,
-    seeds: int,
-    first_seed: int | None,
-    processes: int,
-    data: Path | None,
-    json: bool,
-    list_only: bool,
-    out: Path | None,
-    page: Path | None,
-    into: Path | None = None,
-) -> None:
-    """Run protocols, print a table or JSON, and exit with 1 when one falls short of what is required.
-
-    Parameters
-    ----------
-    names : list of str or None
-        None runs all.
-    seeds : int
-        Simulated repetitions of each.
-    first_seed : int or None
-        None draws it from the version.
-    processes : int
-        How many work at once.
-    data : Path or None
-        Folder with recordings of BROAD, qmt or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
-    out : Path or None
-        Also write the report, with plots, to this file.
-    page : Path or None
-        Also write a Markdown page to this file.
-    into : Path or None
-        A report of all experiments, in which those measured now take the place of the older ones; `page` is then of
-        the whole.
-    """
-    if out is not None and into is not None:
+def validate(options: ValidateOptions) -> None:
+    """Run protocols, print a table or JSON, and exit with 1 when one falls short of what is required."""
+    names, into, data = options.names or None, options.into, options.data
+    if options.out is not None and into is not None:
         raise InvalidInput("give --out or --into, not both")
     if into is not None and not into.is_file():
         raise InvalidInput(f"there is no report {into}; --out writes a new one")
-    if list_only:
+    if options.list_only:
         for protocol in validation.protocols():
             typer.echo(f"{protocol.name:<32} {protocol.title}")
         return
@@ -69,24 +39,29 @@ def validate(
         )
     # Before minutes or hours of measuring: what cannot be read or written is said now.
     earlier = AccuracyReport.model_validate_json(into.read_bytes()) if into is not None else None
-    recordings = _recordings(data) if data else None
-    first = fresh_seed() if first_seed is None else first_seed
-    drawn = range(first, first + seeds)
-    results = _run(
-        names, drawn, recordings or {}, processes, plots=json or out is not None or into is not None
+    recordings = _recordings(data) if data else {}
+    first, target = options.first_seed, into or options.out
+    if first is None:
+        first = fresh_seed()
+    drawn = range(first, first + options.seeds)
+    results = _run(names, drawn, recordings, options.processes, plots=options.json or target is not None)
+    report = make_report(
+        results,
+        seeds=options.seeds,
+        first_seed=first,
+        command=_command(options),
+        data=sorted(recordings),
     )
-    words = _command(names, seeds, first_seed, data)
-    report = make_report(results, seeds=seeds, first_seed=first, command=words, data=sorted(recordings or {}))
     if earlier is not None:
         report = renewed(earlier, report)
-    if target := into or out:
+    if target:
         target.write_text(report.model_dump_json(indent=1) + "\n", encoding="utf-8")
-    if json:
+    if options.json:
         typer.echo(report.model_dump_json(indent=1))
-    if page is not None:
+    if options.page is not None:
         shown = validation.from_data([entry.model_dump() for entry in report.protocols])
-        page.write_text(validation.to_markdown(shown, report.command, report.data), encoding="utf-8")
-    if not json:
+        options.page.write_text(validation.to_markdown(shown, report.command, report.data), encoding="utf-8")
+    if not options.json:
         typer.echo(validation.to_table(results))
         if data is None:
             typer.echo("Protocols on recordings were left out: give their folder with --data.")
@@ -131,11 +106,11 @@ def _progress(result: ProtocolResult) -> None:
     typer.echo(f"{result.name:<36} {result.verdict:<5} {result.seconds:8.1f} s", err=True)
 
 
-def _command(names: list[str] | None, seeds: int, first_seed: int | None, data: Path | None) -> str:
-    words = ["telemotion validate", *(names or ()), f"--seeds {seeds}"]
-    if first_seed is not None:
-        words.append(f"--first-seed {first_seed}")
-    return " ".join([*words, "--data FOLDER"] if data else words)
+def _command(options: ValidateOptions) -> str:
+    words = ["telemotion validate", *(options.names or ()), f"--seeds {options.seeds}"]
+    if options.first_seed is not None:
+        words.append(f"--first-seed {options.first_seed}")
+    return " ".join([*words, "--data FOLDER"] if options.data else words)
 
 
 def _recordings(folder: Path) -> dict[str, Recording]:

@@ -108,9 +108,6 @@ class LivePatient:
         prescriptions = found.json()
         chosen = prescriptions[0] if prescriptions else None
         options = Options(
-            server="",
-            email="",
-            password="",
             patient_id=patient_id,
             exercise_id=chosen["exercise_id"] if chosen else None,
             prescription_id=chosen["id"] if chosen else None,

@@ -249,9 +249,6 @@ async def record_template(
 
 def _options(person: DemoPatient, patient_id: str, exercise_id: str, seed: int) -> Options:
     return Options(
-        server="",
-        email="",
-        password="",
         patient_id=patient_id,
         exercise_id=exercise_id,
         movement=person.movement,

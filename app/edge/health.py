@@ -11,6 +11,3 @@ router = APIRouter(prefix="/api", tags=["service"])
 async def health() -> dict[str, str]:
     """Return that the service answers; no sign-in needed. `/api/ready` says whether it can store."""
     return {"status": "ok", "version": service_version()}
-
-
-__all__ = ["router", "service_version"]

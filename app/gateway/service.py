@@ -18,7 +18,8 @@ from app.errors import (
     Unavailable,
 )
 from app.kinds.magnetic.schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
-from app.live.messages import CalibrationMessage, StateMessage
+from app.live.calibration.messages import CalibrationMessage
+from app.live.messages import StateMessage
 from app.recordings.schemas import JobOut, SessionDetail, SessionIn
 
 _BY_STATUS: dict[int, type[TelemotionError]] = {

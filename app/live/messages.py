@@ -1,4 +1,4 @@
-"""Messages of the live and player sockets, and by name those of the gateway socket (`app.network.messages`).
+"""Messages of the live and player sockets; those of the gateway socket stand in `app.network.messages`.
 
 The browser's types are generated from here.
 
@@ -22,17 +22,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.live.calibration.messages import CalibrationMessage
-from app.live.guidance.messages import GuidanceMessage
-from app.network.messages import (
-    PROTOCOL_VERSION,
-    AcknowledgeMessage,
-    ErrorMessage,
-    GoodbyeMessage,
-    HelloMessage,
-    JsonPacket,
-    JsonSensor,
-)
+from app.network.messages import PROTOCOL_VERSION
+
+# Sent on these sockets too; rooms that have nothing to do with the network read it from here.
+from app.network.messages import ErrorMessage as ErrorMessage
 from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut
 from app.schemas import Schema, SessionState, Spoken
 
@@ -151,25 +144,3 @@ class PlayerState(Schema):
     has_ghost: bool
     has_warp: bool
     """A comparison with this template exists, so the ghost can follow the patient's timing."""
-
-
-__all__ = [
-    "PROTOCOL_VERSION",
-    "AcknowledgeMessage",
-    "CalibrationMessage",
-    "CameraCommand",
-    "ErrorMessage",
-    "EventMessage",
-    "GoodbyeMessage",
-    "GuidanceMessage",
-    "HealthMessage",
-    "HelloMessage",
-    "JsonPacket",
-    "JsonSensor",
-    "LayoutMessage",
-    "PlayerCommand",
-    "PlayerState",
-    "PulseMessage",
-    "SensorHealth",
-    "StateMessage",
-]

@@ -68,7 +68,6 @@ def authorise(
 
     Parameters
     ----------
-    level : {"status", "read", "record", "treat", "manage"}
     action : str, optional
         Written to the audit trail, e.g. `session.calibrate`.
 

@@ -16,7 +16,7 @@ The offset's variance then says what the excitation has really been worth.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Final, Literal, NamedTuple
+from typing import ClassVar, Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ from estimators.arm._heading_kernel import (
     constrain,
 )
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import StoredArrays
 
 Float = NDArray[np.float64]
 HingeJoint = Literal["humerus_forearm", "forearm_hand"]
@@ -139,7 +140,7 @@ class HeadingConstraintResult(NamedTuple):
     residual_rad: Float
 
 
-class JointHeadingConstraint:
+class JointHeadingConstraint(StoredArrays):
     """Streams the relative heading of J joints; chunks of any size give the same bits.
 
     Parameters
@@ -154,6 +155,8 @@ class JointHeadingConstraint:
     SetupError
         For an unknown joint or an impossible time step.
     """
+
+    _ARRAYS: ClassVar[tuple[str, ...]] = ("state", "covariance", "last_relative", "memory")
 
     def __init__(
         self,
@@ -241,21 +244,3 @@ class JointHeadingConstraint:
         return HeadingConstraintResult(
             offset, sigma, correction, found.is_informed.astype(np.bool_), residual
         )
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on, as arrays."""
-        return {
-            "state": self._state.copy(),
-            "covariance": self._covariance.copy(),
-            "last_relative": self._last_relative.copy(),
-            "memory": self._memory.copy(),
-        }
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        for name in self.state():
-            own = getattr(self, f"_{name}")
-            if name not in state or np.shape(state[name]) != own.shape:
-                raise ShapeError(f"this state has no {name} of shape {own.shape}; it is of other joints")
-        for name in self.state():
-            setattr(self, f"_{name}", np.array(state[name], dtype=np.float64, order="C"))

@@ -34,7 +34,6 @@ class Change:
         Difference in units of its standard deviation (over pairs, or over strides).
     count : int
         Pairs of recordings, or strides of both conditions together.
-    method : {"pairs", "strides"}
     """
 
     mean_a: float

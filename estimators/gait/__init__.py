@@ -16,9 +16,10 @@ from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, 
 from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracker
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_in_one_world
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
+from estimators.gait._rests import Footholds
 from estimators.gait._stance import Stance, find_stance
 from estimators.gait._stride_flags import StrideFlag
-from estimators.gait._strides import Footholds, Strides, find_strides
+from estimators.gait._strides import Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
     measure_steps,

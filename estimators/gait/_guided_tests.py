@@ -30,7 +30,6 @@ class GuidedTest:
 
     Attributes
     ----------
-    kind : {"walk", "timed_up_and_go", "six_minute_walk"}
     start_s, end_s : float
         First toe-off and last contact that count, on the recording's clock.
     distance_m, distance_sigma_m : float

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.errors import ShapeError
 from estimators.gait._placement import Steps, steps_in_one_world
-from estimators.gait._strides import Footholds
+from estimators.gait._rests import Footholds
 from estimators.gait.foot.trajectory import FootTrajectory
 from estimators.recording import Float
 from estimators.sentences import say

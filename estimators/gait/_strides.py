@@ -261,6 +261,3 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
         step = trajectory.position_m[b] - trajectory.position_m[a]
         went += float(step @ rotation.rotate(trajectory.q_world_sensor[a], forward))
     return (forward, left) if went >= 0.0 else (-forward, -left)
-
-
-__all__ = ["Footholds", "Strides", "find_strides", "foot_axes"]

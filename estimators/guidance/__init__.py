@@ -11,12 +11,12 @@ from estimators.guidance._contract import (
     KINDS,
     CountedRepetition,
     GuidanceChunk,
-    GuidanceParameters,
     GuidanceTemplate,
     RepetitionKind,
 )
 from estimators.guidance._guide import Guide
 from estimators.guidance._orders import CuePace
+from estimators.guidance._parameters import GuidanceParameters
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import prepare_template, signals, steers
 from estimators.guidance.fitting import (

@@ -13,12 +13,12 @@ from estimators.guidance._contract import (
     KINDS,
     CountedRepetition,
     GuidanceChunk,
-    GuidanceParameters,
     GuidanceTemplate,
 )
 from estimators.guidance._cue_records import CUE, STOPPED, Said, Spoken
 from estimators.guidance._kernel import run
 from estimators.guidance._orders import CuePace, make_orders, make_said
+from estimators.guidance._parameters import GuidanceParameters
 from estimators.guidance._records import (
     ASTRAY,
     OUT,

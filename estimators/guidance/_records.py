@@ -1,53 +1,18 @@
 """Records of the compiled guidance: settings, memory, the prepared template, one chunk of ticks."""
 
+from dataclasses import asdict
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from estimators.kernels import Fields, bundle, record, rows
+from estimators.guidance._parameters import GuidanceParameters
+from estimators.kernels import bundle, fields_of, record, rows
 from estimators.recording import Float
 
-_TUNED: Final[Fields] = [
-    ("pace_sd", "f8"),
-    ("slope_sd_per_s", "f8"),
-    ("slope_share", "f8"),
-    ("slowest", "f8"),
-    ("fastest", "f8"),
-    ("blur_per_s", "f8"),
-    ("split_blur", "f8"),
-    ("size_exchange_per_s", "f8"),
-    ("pace_follows_s", "f8"),
-    ("pace_forgets_s", "f8"),
-    ("free_misfit", "f8"),
-    ("direction", "f8"),
-    ("steepness", "f8"),
-    ("misfit_cap", "f8"),
-    ("memory_s", "f8"),
-    ("rest_speed", "f8"),
-    ("wrong_misfit", "f8"),
-    ("stiff_from", "f8"),
-    ("stiff_misfit", "f8"),
-    ("stiff_least", "f8"),
-    ("rest_to_start_per_s", "f8"),
-    ("end_to_rest_per_s", "f8"),
-    ("end_to_start_per_s", "f8"),
-    ("to_wrong_per_s", "f8"),
-    ("from_wrong_per_s", "f8"),
-    ("to_rest_per_s", "f8"),
-    ("restart_per_s", "f8"),
-    ("broad_share", "f8"),
-    ("start_follows_s", "f8"),
-    ("still_s", "f8"),
-    ("wrong_share", "f8"),
-    ("least_excursion", "f8"),
-    ("least_attempt_s", "f8"),
-]
-"""Numbers of `GuidanceParameters`, by the same names."""
-
 SETTINGS: Final = record(
-    _TUNED,
+    fields_of(asdict(GuidanceParameters())),
     [
         ("tick_s", "f8"),
         ("update_s", "f8"),

@@ -35,7 +35,6 @@ class CueRule:
         Of `deviation` and `at_equal`.
     least : float
         rad or m, of `against`.
-    side : {"below", "both", "above"}
     phases : tuple of float
         First and last phase, 0 to 1, at which the rule looks; of `range` those of the targets.
     tolerance : float, or None
@@ -88,7 +87,6 @@ class StopRule:
         rad, m, a number or s; of `lost` not used.
     channel : str
         Of `limit`.
-    side : {"below", "above"}
     hold_s : float
         How long before it stops.
     """

@@ -7,7 +7,7 @@ Numba refuses a nested array where a kernel's signature says `float64[::1]`. So 
 records, and what kernels pass on whole, as a covariance, is an array of its own with sensors leading.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numba
@@ -26,6 +26,16 @@ VOID = types.void
 def record(*fields: Fields) -> np.dtype[Any]:
     """Return the dtype of records with these fields, aligned as the machine wants them."""
     return np.dtype([one for part in fields for one in part], align=True)
+
+
+def fields_of(values: Mapping[str, float | Sequence[float]]) -> Fields:
+    """Return the fields that hold such values, in their order: switches, numbers, and rows of numbers."""
+    return [
+        (name, "f8", len(value))
+        if isinstance(value, Sequence)
+        else (name, "i8" if isinstance(value, bool) else "f8")
+        for name, value in values.items()
+    ]
 
 
 def rows(kind: DTypeLike) -> Any:

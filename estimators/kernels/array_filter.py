@@ -1,4 +1,4 @@
-"""Shared parts of filters of one body outside their loops: parameters with overrides, and a state of arrays."""
+"""Shared parts of filters outside their loops: parameters with overrides, and a state of arrays."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields, replace
@@ -12,12 +12,11 @@ from estimators.errors import SetupError, ShapeError
 P = TypeVar("P")
 
 
-class ArrayFilter:
-    """A filter whose parameters are a dataclass and all of whose state is arrays of its own."""
+class StoredArrays:
+    """Anything all of whose state is arrays of its own, of shapes that stay."""
 
     _ARRAYS: ClassVar[tuple[str, ...]]
     """Their names, without the underscore."""
-    _parameters: Any
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next update depends on, as arrays that can be stored."""
@@ -38,9 +37,15 @@ class ArrayFilter:
                 raise ShapeError(
                     f"the stored state has no {name} of shape {own.shape}; was it another filter's?"
                 )
-            restored[name] = np.array(state[name], dtype=own.dtype)
+            restored[name] = np.array(state[name], dtype=own.dtype, order="C")
         for name, values in restored.items():
             setattr(self, f"_{name}", values)
+
+
+class ArrayFilter(StoredArrays):
+    """Such a filter whose parameters are a dataclass."""
+
+    _parameters: Any
 
     @property
     def parameters(self) -> dict[str, Any]:

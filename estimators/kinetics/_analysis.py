@@ -30,7 +30,6 @@ class ShoeParameters:
     ----------
     cutoff_hz : float
         Of the Butterworth low-pass there and back over all signals, of order 2; zero for none.
-    position_mode : {"flat", "pivot", "published"}
     is_level : bool
         Whether all stances are on one floor.
     unloaded_n : float

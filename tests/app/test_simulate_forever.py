@@ -28,7 +28,9 @@ def test_a_sign_in_that_has_ended_is_made_anew(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(arm.ServiceClient, "sign_in", sign_in)
     monkeypatch.setattr(arm, "stream", stream)
     monkeypatch.setattr(arm, "RETRY_S", 0.0)
-    options = arm.Options("http://127.0.0.1:1", "a@b.example", "secret", "1", forever=True)
+    options = arm.Options(
+        server="http://127.0.0.1:1", email="a@b.example", password="secret", patient_id="1", forever=True
+    )
     with pytest.raises(EnoughError):
         asyncio.run(arm._simulate(options))
     assert happened == ["sign in", "stream", "sign in", "stream"]

@@ -155,9 +155,6 @@ async def furnish(address: str, engine: engines.Engine) -> House:
         prescription_id, _ = await history.record_template(service, engine, person, patient_id, exercise_id)
         sessions = await service.every(f"/api/patients/{patient_id}/sessions")
         options = Options(
-            server=address,
-            email="",
-            password="",
             patient_id=patient_id,
             exercise_id=exercise_id,
             prescription_id=prescription_id,

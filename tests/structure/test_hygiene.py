@@ -1,11 +1,18 @@
-"""What must never be in a tracked file, and what every public docstring must have."""
+"""Tracked files name no machine and no registry; docstrings say more than signatures do."""
 
+import ast
 import re
 import subprocess
 from importlib import metadata
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+SECTION = re.compile(r"^(?:Parameters|Attributes)\n-+\n((?:.+\n?)*)", re.MULTILINE)
+KIND = r"(?:[a-z]+|[A-Z]+[a-z]\w*)"
+ONLY_NAME_AND_TYPE = re.compile(
+    rf"^\w+(?:, \w+)* : {KIND}(?:(?: or | of | to | \| ){KIND})*(?:, optional)?$(?!\n )",
+    re.MULTILINE,
+)
 EXTRAS = re.compile(r"(?P<name>[\w.-]+)\[(?P<extras>[^]]+)\]")
 
 
@@ -56,3 +63,16 @@ def test_the_lock_names_the_extras_that_packages_ask_of_each_other() -> None:
     pinned = [line.partition("==")[0] for line in lock if line[:1].isalnum()]
     missing = [f"{name}[{extras}]" for name, extras in asked if name in pinned]
     assert not missing, "make lock"
+
+
+def test_entries_of_docstrings_say_more_than_the_signature() -> None:
+    # Meaning, shape or unit: name and type stand in the signature already.
+    found = []
+    for path in tracked("app/*.py", "estimators/*.py", "validation/*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                for entries in SECTION.findall(ast.get_docstring(node) or ""):
+                    found += [
+                        f"{path.name}: {node.name}: {one}" for one in ONLY_NAME_AND_TYPE.findall(entries)
+                    ]
+    assert not found

@@ -133,7 +133,6 @@ def record(
 
     Parameters
     ----------
-    pose : callable
     generator : Generator
         Sensor noise.
     length_s : float, optional

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.conventions import GRAVITY_MPS2, SIDES, Side
-from estimators.kinetics import GroundReaction, ShoeKinetics, ShoeParameters, ShoePose, analyse_shoe
+from estimators.conventions import GRAVITY_MPS2, Side
+from estimators.kinetics import GroundReaction, ShoeKinetics, ShoeParameters, analyse_shoe
 from estimators.kinetics.published import REPORT_SHARE
 from estimators.recording import Float, Recording
 from estimators.simulation import FootTruth, GaitTruth, gait_preset, simulate_gait
@@ -157,6 +157,3 @@ def _stride_lengths(points: Float, scored: ScoredShoe) -> Float:
 def _yaw(q: Float) -> float:
     axis = rotation.rotate(q, np.array([1.0, 0.0, 0.0]))
     return float(np.arctan2(axis[1], axis[0]))
-
-
-__all__ = ["SIDES", "ScoredShoe", "ShoePose", "rms", "score_shoe", "simulated_ankle", "stride_errors"]

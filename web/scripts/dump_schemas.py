@@ -17,36 +17,48 @@ from pydantic.json_schema import models_json_schema
 
 from app.ingest.client_words import english
 from app.edge.description import describe
-from app.live import messages
+from app.live.calibration.messages import CalibrationMessage
+from app.live.guidance.messages import GuidanceMessage
+from app.live.messages import (
+    CameraCommand,
+    EventMessage,
+    HealthMessage,
+    LayoutMessage,
+    PlayerCommand,
+    PlayerState,
+    PulseMessage,
+    StateMessage,
+)
 from app.main import create_app
+from app.network.messages import PROTOCOL_VERSION, ErrorMessage
 from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
 from app.sentences.german import GERMAN
 from app.settings import Settings
 from estimators.measures import MEASURES, measures_of
 
-SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
+SENT_BY_BROWSERS = (PlayerCommand, CameraCommand)
 FORM_PARTS = (recordings.UploadIn, MarkerUploadIn)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
-    "LayoutMessage",
-    "StateMessage",
-    "HealthMessage",
-    "GuidanceMessage",
-    "EventMessage",
-    "ErrorMessage",
-    "PlayerState",
-    "PulseMessage",
-    "CalibrationMessage",
+    LayoutMessage,
+    StateMessage,
+    HealthMessage,
+    GuidanceMessage,
+    EventMessage,
+    ErrorMessage,
+    PlayerState,
+    PulseMessage,
+    CalibrationMessage,
 )
 
 
 def socket_schemas() -> dict[str, Any]:
     """Return the schemas of the messages; what browsers send has its optional fields optional."""
     models: list[tuple[type[BaseModel], Any]] = [
-        *((getattr(messages, name), "validation") for name in SENT_BY_BROWSERS),
+        *((one, "validation") for one in SENT_BY_BROWSERS),
         *((part, "validation") for part in FORM_PARTS),
-        *((getattr(messages, name), "serialization") for name in SENT_TO_BROWSERS),
+        *((one, "serialization") for one in SENT_TO_BROWSERS),
     ]
     _, schema = models_json_schema(models, ref_template="#/components/schemas/{model}")
     return dict(schema["$defs"])
@@ -57,8 +69,8 @@ def document() -> dict[str, Any]:
     openapi = describe(create_app(Settings(demo=True, _env_file=None)))
     info = {
         "title": openapi["info"]["title"],
-        "version": str(messages.PROTOCOL_VERSION),
-        "x-protocol-version": messages.PROTOCOL_VERSION,
+        "version": str(PROTOCOL_VERSION),
+        "x-protocol-version": PROTOCOL_VERSION,
     }
     components = openapi["components"]
     components["schemas"] = {**socket_schemas(), **components["schemas"]}

@@ -111,12 +111,7 @@ def redeem_ticket(session: Session, token: str, purpose: Purpose, session_id: st
 
 
 def is_open(session: Session, token: str, purpose: Purpose) -> bool:
-    """Return whether a ticket could be redeemed now; it stays unused.
-
-    Parameters
-    ----------
-    purpose : {"ingest", "live", "viewer"}
-    """
+    """Return whether a ticket could be redeemed now; it stays unused."""
     found = select(Ticket.id).where(
         Ticket.token_hash == hash_token(token),
         Ticket.purpose == purpose,

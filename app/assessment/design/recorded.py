@@ -13,7 +13,7 @@ from app.assessment.design.rules import side_of
 from app.assessment.design.shown import version_detail
 from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
-from app.assessment.sources import Source, load_source
+from app.assessment.sources import load_source
 from app.errors import InvalidInput
 from app.exercises.design import PhaseDesign, TemplateDesign
 from app.exercises.models import Exercise, TemplateVersion
@@ -25,6 +25,7 @@ from app.exercises.schemas import (
 )
 from app.patients.models import Patient
 from app.recordings import repository as recordings
+from app.recordings.compared import Source
 from app.recordings.models import MotionSession, Result
 from app.sentences import say
 from estimators.comparison import (

@@ -12,13 +12,14 @@ from app.assessment.design.limits import Reached, resting_pose, troubles_of
 from app.assessment.design.rules import side_of, whole_design
 from app.assessment.design.weighted import offered_measures
 from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
-from app.assessment.sources import Source, load_source
+from app.assessment.sources import load_source
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.models import Template as TemplateRow
 from app.exercises.schemas import TemplateContent, TemplateOut, TemplateVersionDetail, TemplateVersionOut
 from app.pages import Page
 from app.recordings import repository as recordings
+from app.recordings.compared import Source
 from app.sentences import CATALOGUE
 from estimators.comparison import (
     Repetition,

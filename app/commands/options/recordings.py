@@ -1,4 +1,4 @@
-"""Words of the commands that take a recording and something that was measured beside it."""
+"""Words of the commands that estimate a recording, alone or with what was measured beside it."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +6,73 @@ from typing import Annotated, ClassVar
 
 import typer
 
-from app.commands.options.words import Mapping, OutFolder, RecordingFile, RecordingFormat
+from app.commands.options.words import (
+    Guess,
+    Hemisphere,
+    Mapping,
+    OutFolder,
+    Pose,
+    Rate,
+    RecordingFile,
+    RecordingFiles,
+    RecordingFormat,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProcessOptions:
+    """Estimate a recording without a server; writes frames.parquet, frames.csv, columns.json, setup.json.
+
+    Example: telemotion process walk.mat --pipeline orientation --orientation vqf --out results
+    """
+
+    command: ClassVar[str] = "process"
+    runs: ClassVar[str] = "app.commands.process:process"
+
+    recording: RecordingFiles
+    out: OutFolder
+    pipeline: Annotated[
+        str,
+        typer.Option(
+            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts;"
+            " default: what the sensors are worn for."
+        ),
+    ] = ""
+    orientation: Annotated[
+        str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
+    ] = ""
+    format: RecordingFormat = "auto"
+    mapping: Mapping = None
+    guess: Guess = False
+    rate_hz: Rate = None
+    pose_s: Pose = None
+    parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}"
+    force: Annotated[
+        bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
+    ] = False
+    hemisphere: Hemisphere = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MassCentreOptions:
+    """Find the body's centre of mass from sensors on trunk, thighs and whatever else is worn.
+
+    Writes mass_centre.csv (ahead of and beside the ankles, above the floor, one sigma each) and mass_centre.json.
+    Example: telemotion mass-centre squats.mat --stature 1.82 --out results
+    """
+
+    command: ClassVar[str] = "mass-centre"
+    runs: ClassVar[str] = "app.commands.mass_centre:mass_centre"
+
+    recording: RecordingFile
+    out: OutFolder
+    stature_m: Annotated[
+        float, typer.Option("--stature", help="Body height in metres; scales all lengths.", min=0.5, max=2.5)
+    ] = 1.70
+    format: RecordingFormat = "auto"
+    mapping: Mapping = None
+    rate_hz: Rate = None
+    pose_s: Pose = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Words of `telemotion simulate`, and which of the three simulated patients they mean."""
+"""Words of `telemotion simulate`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar
 
 import typer
 
-from app.commands.options.declared import shared
 from app.commands.options.words import Email, Password, Server
 
 
@@ -20,7 +19,7 @@ class SimulateOptions:
     """
 
     command: ClassVar[str] = "simulate"
-    runs: ClassVar[str] = "app.commands.options.simulate:simulate"
+    runs: ClassVar[str] = "app.commands.simulation.chosen:simulate"
 
     server: Server = "http://127.0.0.1:8000"
     email: Email = ""
@@ -46,9 +45,9 @@ class SimulateOptions:
         str, typer.Option(help="Orientation estimator of the session; empty for the default.")
     ] = ""
     errors: Annotated[str, typer.Option(help="Sensor errors: nominal, marzouk_2009 or ideal.")] = "nominal"
-    speed: Annotated[float, typer.Option(help="1 is real time, 10 ten times faster.", min=0.1, max=1000)] = (
-        1.0
-    )
+    speed: Annotated[
+        float | None, typer.Option(help="1 is real time, 10 ten times faster.", min=0.1, max=1000)
+    ] = 1.0
     loss_percent: Annotated[
         float, typer.Option(help="Packets lost in bursts, never sent.", min=0, max=50)
     ] = 0.0
@@ -104,20 +103,3 @@ class SimulateOptions:
             help="Send by MQTT, to the listener at mqtt://host:port or mqtts://host:port; needs the extra `scaled`."
         ),
     ] = ""
-
-
-def simulate(options: SimulateOptions) -> None:
-    """Stream a source, a walk or an arm, whichever the options name."""
-    if options.relative:
-        from app.commands.simulation.relative import RelativeOptions, simulate_relative
-
-        simulate_relative(shared(RelativeOptions, options, movement=options.relative))
-    elif options.walk:
-        from app.commands.simulation.walk import WalkOptions, simulate_walk
-
-        simulate_walk(shared(WalkOptions, options))
-    else:
-        from app.commands.simulation.arm import Options
-        from app.commands.simulation.arm import simulate as simulate_arm
-
-        simulate_arm(shared(Options, options))

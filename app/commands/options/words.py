@@ -73,10 +73,12 @@ RecordingFormat = Annotated[
     str,
     typer.Option(help=f"Of the recording: auto, {', '.join(names())}."),
 ]
-Rate = Annotated[float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")]
+Rate = Annotated[
+    float | None, typer.Option("--rate", help="Common tick rate in Hz; default: the recording's.")
+]
 Pose = Annotated[
     tuple[float, float] | None,
-    typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
+    typer.Option("--pose", help="Start and end (s) of the N-pose; default: first stillness."),
 ]
 Mapping = Annotated[
     Path | None,

@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from app import readers
+from app.commands.options.recordings import ProcessOptions
 from app.errors import InvalidInput
 from estimators import rotation
 from estimators.magnetic import Fix, TrackerFlag, TrackerFusionResult
@@ -35,9 +36,7 @@ _POSE = (
 )
 
 
-def process_bursts(
-    recording: Path, out: Path, format: str, rate: float | None, orientation: str, parameters: str
-) -> None:
+def process_bursts(recording: Path, options: ProcessOptions) -> None:
     """Estimate a recording and write, for each sensor, `NAME_bursts.csv`, `NAME_filter.csv`, `NAME_smoothed.csv`.
 
     Also `report.json` with the residuals. Positions are in the axes of the source; angles are z-y-x (rotation, flexion,
@@ -47,30 +46,27 @@ def process_bursts(
     ----------
     recording : Path
         A packet log: other formats have no coil states.
-    format : str
-        `auto` or `packet_log`.
-    rate : float or None
-        Must be None: pulses are found on the recording's own ticks.
-    orientation : str
-        Smoother of both modules' orientations; empty for the default.
-    parameters : str
-        JSON: settings of the source and of the filter.
+    options : ProcessOptions
+        Without a rate: pulses are found on the recording's own ticks. `parameters` are those of source and filter;
+        `orientation` smooths both modules' orientations.
 
     Raises
     ------
     InvalidInput
         For another format or rate, or parameters that are no object.
     """
+    format, out = options.format, options.out
     if format != "auto" and not readers.reader_of(format).holds_packets:
         raise InvalidInput(f"bursts are in packet logs, which say what the coils do; {format} does not")
-    if rate is not None:
+    if options.rate_hz is not None:
         raise InvalidInput("pulses are found on the recording's own ticks: leave --rate out")
-    given = json.loads(parameters)
+    given = json.loads(options.parameters)
     if not isinstance(given, dict):
         raise InvalidInput("--parameters is a JSON object of names and values")
     chunk, log = readers.read_ticks(recording)
     worn = log.declaration
-    setup = SessionSetup(BURSTS, worn.placements, worn.rate_hz, orientation or BURST_ORIENTATION, given)
+    orientation = options.orientation or BURST_ORIENTATION
+    setup = SessionSetup(BURSTS, worn.placements, worn.rate_hz, orientation, given)
     found = analyse_bursts(chunk, setup)
     out.mkdir(parents=True, exist_ok=True)
     report = {}

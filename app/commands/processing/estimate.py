@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """How a recording is to be estimated; see `app.commands.process.process`."""
+    """How a recording is to be estimated; see `ProcessOptions`."""
 
     format: str
     pipeline: str

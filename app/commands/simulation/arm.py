@@ -8,6 +8,7 @@ from typing import Any, cast, get_args
 
 import typer
 
+from app.commands.options.simulate import SimulateOptions
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import DeviceStream, GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
@@ -34,32 +35,13 @@ CATCH_UP_POLL_S = 0.1
 CATCH_UP_POLLS = 20
 
 
-@dataclass(frozen=True)
-class Options:
-    """Words of the command line; see `telemotion simulate --help`."""
+@dataclass(frozen=True, kw_only=True)
+class Options(SimulateOptions):
+    """Words of the command line, and what else the demonstration says of a session."""
 
-    server: str
-    email: str
-    password: str
-    patient_id: str
-    exercise_id: str | None = None
     prescription_id: str | None = None
-    movement: str = "reaching"
-    arms: str = "right"
-    repetitions: int = 10
-    patient_kind: str = "mild_stroke"
     progress: float = 0.0
-    orientation: str = ""
-    errors: str = "nominal"
-    speed: float | None = 1.0
-    loss_percent: float = 0.0
-    duplicates_percent: float = 0.0
-    reordered_percent: float = 0.0
-    breaks: int = 0
-    seed: int = 1
-    purpose: str = "exercise"
-    forever: bool = False
-    mqtt: str = ""
+    """Of the patient's recovery: 0 begins, 1 moves as the therapist."""
 
 
 def scenario_of(options: Options) -> ArmScenario:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import typer
 
+from app.commands.options.simulate import SimulateOptions
 from app.errors import InvalidInput
 from app.gateway import GatewayClient, GatewayReport, ServiceClient
 from app.gateway.relative_patient import RelativeFaults, RelativePatient
@@ -25,30 +26,19 @@ FASTEST: float = 2.0
 _ANALYSIS_TIMEOUT_S = 300.0
 
 
-@dataclass(frozen=True)
-class RelativeOptions:
-    """Words of the command line."""
+@dataclass(frozen=True, kw_only=True)
+class RelativeOptions(SimulateOptions):
+    """Words of the command line, when the link is cut (s from the start, s without), and what goes wrong."""
 
-    server: str
-    email: str
-    password: str
-    patient_id: str
-    movement: str = "flexion"
-    duration_s: float = 60.0
-    speed: float = 1.0
-    seed: int = 1
-    no_implants: bool = False
+    relative: str = "flexion"
     breaks_s: tuple[tuple[float, float], ...] = ()
     faults: RelativeFaults = field(default_factory=RelativeFaults)
-    bursts: bool = False
-    log: Path | None = None
-    mqtt: str = ""
 
 
 def simulated(options: RelativeOptions) -> RelativePatient:
     """Return the person that the options describe, before the first tick."""
     return RelativePatient(
-        options.movement,
+        options.relative,
         options.duration_s,
         seed=options.seed,
         faults=options.faults,
@@ -67,14 +57,13 @@ async def stream(
         Signed in as somebody who may treat the patient.
     options : RelativeOptions
         Without `no_implants` nobody has confirmed anything, and the service refuses the gateway.
-    say : callable(text)
 
     Returns
     -------
     (str, GatewayReport, RelativePatient)
         The session, what happened on the way, and what was simulated.
     """
-    if not 0.0 < options.speed <= FASTEST:
+    if options.speed is None or not 0.0 < options.speed <= FASTEST:
         raise InvalidInput(f"a magnetic source needs --speed of at most {FASTEST:g}: it must answer in time")
     patient = await asyncio.to_thread(simulated, options)
     created = await service.create_session(

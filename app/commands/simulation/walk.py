@@ -7,6 +7,7 @@ from typing import Final, get_args
 
 import typer
 
+from app.commands.options.simulate import SimulateOptions
 from app.errors import InvalidInput
 from app.gateway import GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
@@ -22,24 +23,12 @@ _ANALYSIS_TIMEOUT_S: Final = 300.0
 _STAND_S: Final = 3.0
 
 
-@dataclass(frozen=True)
-class WalkOptions:
-    """Words of the command line; `apart_m` None takes the step width of the walk as measured by the therapist."""
+@dataclass(frozen=True, kw_only=True)
+class WalkOptions(SimulateOptions):
+    """Words of the command line, and whether the therapist has measured how far the feet stand apart."""
 
-    server: str
-    email: str
-    password: str
-    patient_id: str
-    exercise_id: str | None = None
     walk: str = "centre_of_mass"
-    steps: int = 24
-    speed: float | None = 1.0
-    seed: int = 1
-    forces: bool = True
     is_apart_known: bool = True
-    loss_percent: float = 0.0
-    breaks: int = 0
-    mqtt: str = ""
 
 
 def walk_of(options: WalkOptions) -> tuple[SimulatedWalk, Recording, float]:
@@ -82,13 +71,8 @@ async def stream(
     ----------
     service : ServiceClient
         Signed in as somebody who may treat the patient.
-    say : callable(text)
     recording : Recording, optional
         Sent instead of what the sensors of the simulated walk give.
-
-    Returns
-    -------
-    (str, GatewayReport)
     """
     _, measured, apart_m = await asyncio.to_thread(walk_of, options)
     device = stream_of(measured if recording is None else recording)

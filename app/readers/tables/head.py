@@ -289,15 +289,3 @@ def _numbered(names: list[str]) -> list[str]:
             unique = f"{plain} ({count})"
         found[unique] = None
     return list(found)
-
-
-__all__ = [
-    "DELIMITERS",
-    "HEAD_BYTES",
-    "TableHead",
-    "head_of",
-    "head_of_file",
-    "is_number",
-    "read_head",
-    "split_line",
-]

@@ -9,7 +9,7 @@ from typing import Final, cast
 from app.errors import RecordingFormatError
 from app.readers.contract import TEXT, Source
 from app.readers.registry import reader_of, recognised
-from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
+from app.readers.tables.guess import Guess, PipelineName, guess_of_head
 from app.readers.tables.head import TableHead, head_of
 from app.readers.tables.tall import of_tall, tall_of
 from app.readers.tables.text import HEAD_BYTES
@@ -108,6 +108,3 @@ def _source(name: str, start: bytes) -> Source:
     # Cached properties may be given: the file itself is not here.
     vars(source).update(start=start, variables=frozenset())
     return source
-
-
-__all__ = ["Preview", "pipeline_for", "preview_text", "preview_zip"]

@@ -23,7 +23,6 @@ def stored_recording(
 
     Parameters
     ----------
-    source : Engine, Connection or Session
     hello : mapping or None
         What the session stored of its hello.
     placements : sequence of str

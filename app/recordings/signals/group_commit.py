@@ -473,6 +473,3 @@ class GroupCommitWriter:
         for future in waiting:
             if future.set_running_or_notify_cancel():
                 future.set_exception(error)
-
-
-__all__ = ["GroupCommitWriter", "WriterMetrics"]

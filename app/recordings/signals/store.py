@@ -76,7 +76,6 @@ def read_before_ending(
 
     Parameters
     ----------
-    source, session_id
     ticks : int
         So many at least are stored from there on.
     channels : int

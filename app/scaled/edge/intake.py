@@ -61,7 +61,6 @@ class EdgeIntake:
     ----------
     outbox : Outbox
         Of the session's partition.
-    check_right : async callable
     detached : callable(intake)
     """
 

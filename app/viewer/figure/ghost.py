@@ -31,7 +31,6 @@ class Ghost:
     ----------
     track : PoseTrack
         Phases 0 to 100.
-    side : {"left", "right"}
     duration_s : float
         Of one repetition of the therapist.
     limb : {"arm", "leg"}

@@ -86,10 +86,6 @@ def skinned_arm(body: BodyDimensions, side: Side) -> SkinnedLimb:
 def bone_track(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Float32, Float32]:
     """Return where the bones are, relative to the middle of the hips.
 
-    Parameters
-    ----------
-    side : {"left", "right"}
-
     Returns
     -------
     wxyz : ndarray of float32, shape (K, 5, 4)
@@ -116,10 +112,6 @@ def bone_track(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Floa
 
 def hand_points_m(track: PoseTrack, body: BodyDimensions, side: Side) -> Float:
     """Return where the end of the hand is, the thumb and what the palm faces, so that a turn of the hand counts.
-
-    Parameters
-    ----------
-    side : {"left", "right"}
 
     Returns
     -------

@@ -49,10 +49,6 @@ def skinned_leg(body: BodyDimensions, side: Side) -> SkinnedLimb:
 def leg_bones(track: PoseTrack, body: BodyDimensions, side: Side) -> tuple[Float32, Float32]:
     """Return where thigh, shank and foot are, relative to the middle of the hips.
 
-    Parameters
-    ----------
-    side : {"left", "right"}
-
     Returns
     -------
     wxyz : ndarray of float32, shape (K, 3, 4)

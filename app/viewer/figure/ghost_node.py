@@ -37,7 +37,6 @@ class GhostNode:
         Phases 0 to 100.
     body : BodyDimensions
         The patient's.
-    side : {"left", "right"}
     drop_m : float
         How much lower the patient's hips are than standing.
     limb : {"arm", "leg"}

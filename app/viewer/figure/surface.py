@@ -167,7 +167,6 @@ def polygonise(shape: Shape, low_m: Sequence[float], high_m: Sequence[float], ce
 
     Parameters
     ----------
-    shape : callable
     low_m, high_m : sequence of 3
         Corners of the box.
     cell_m : float

@@ -14,12 +14,7 @@ _CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(GERMAN)}
 
 
 def words_in(language: ViewLanguage) -> Words:
-    """Return what makes plain text of a sentence: viser's wire refuses what is only like text.
-
-    Parameters
-    ----------
-    language : {"en", "de"}
-    """
+    """Return what makes plain text of a sentence: viser's wire refuses what is only like text."""
     catalogue = _CATALOGUES[language]
 
     def words(sentence: Sentence) -> str:

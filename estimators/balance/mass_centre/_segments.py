@@ -104,7 +104,6 @@ def body_segments(sex: Sex, own_mass_share: Mapping[str, float] | None = None) -
 
     Parameters
     ----------
-    sex : {"man", "woman"}
     own_mass_share : mapping of str to float, optional
         The patient's own, see `BodySegments`.
 

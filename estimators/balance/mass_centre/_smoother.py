@@ -1,8 +1,7 @@
 """Centre of mass with an anchor that knows angular momentum: Kalman filter live, with a smoother off-line."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,7 @@ from estimators.balance.mass_centre._published import (
 )
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import StoredArrays
 from estimators.recording import Float
 
 
@@ -117,7 +117,7 @@ def smooth_mass_centre(
     )
 
 
-class LiveMassCentre:
+class LiveMassCentre(StoredArrays):
     """Centre of mass while somebody walks; chunks give the same as one batch, bit for bit.
 
     It adds no delay of its own: an estimate belongs to the sample of force and pressure centre that it was
@@ -131,6 +131,7 @@ class LiveMassCentre:
     """
 
     version = "1"
+    _ARRAYS: ClassVar[tuple[str, ...]] = ("settings", "x", "p", "vertical")
 
     def __init__(
         self,
@@ -176,22 +177,6 @@ class LiveMassCentre:
             rate,
             np.column_stack((sigma, sigma, np.full(samples, np.nan))),
         )
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on."""
-        return {
-            "settings": self._settings.copy(),
-            "x": self._x.copy(),
-            "p": self._p.copy(),
-            "vertical": self._vertical.copy(),
-        }
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue exactly where the instance that gave `state` stood."""
-        self._settings = np.array(state["settings"], dtype=np.float64)
-        self._x = np.array(state["x"], dtype=np.float64)
-        self._p = np.array(state["p"], dtype=np.float64)
-        self._vertical = np.array(state["vertical"], dtype=np.float64)
 
     def _heights(self, upward_mps2: Float) -> tuple[Float, Float]:
         """Integrate twice with a pull back to rest: `z'' = a - 1.4 w z' - w^2 z`, a high-pass of a."""

@@ -1,13 +1,13 @@
 """Hard iron found again while the sensors are in use, from how the field turns against the gyroscope."""
 
-from collections.abc import Mapping
-from typing import Any, Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels.array_filter import StoredArrays
 from estimators.recording import Float, ImuChunk
 
 _WINDOW_S: Final = 0.3
@@ -16,7 +16,7 @@ _LARGEST_TURN_RAD: Final = 2.5
 _GATE: Final = 3.0
 
 
-class OnlineHardIron:
+class OnlineHardIron(StoredArrays):
     """Follows what is left of the hard iron of S sensors during a session.
 
     In a uniform field the reading turns with the sensor, all but the hard iron, which stays:
@@ -33,6 +33,8 @@ class OnlineHardIron:
     drift_t_per_root_s : float
         How fast the hard iron may change.
     """
+
+    _ARRAYS: ClassVar[tuple[str, ...]] = ("offset", "covariance", "turn", "start", "used")
 
     def __init__(
         self,
@@ -122,23 +124,3 @@ class OnlineHardIron:
             self._used[s] += 1
         self._start = np.array(field, dtype=np.float64)
         self._turn = rotation.identity((self._count,))
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything that the next update depends on."""
-        return {
-            "offset": self._offset.copy(),
-            "covariance": self._covariance.copy(),
-            "turn": self._turn.copy(),
-            "start": self._start.copy(),
-            "used": self._used.copy(),
-        }
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue where the instance that gave `state` stood."""
-        if state["offset"].shape != self._offset.shape:
-            raise ShapeError(f"this state is of {len(state['offset'])} sensors; expected {self._count}")
-        self._offset = np.array(state["offset"], dtype=np.float64)
-        self._covariance = np.array(state["covariance"], dtype=np.float64)
-        self._turn = np.array(state["turn"], dtype=np.float64)
-        self._start = np.array(state["start"], dtype=np.float64)
-        self._used = np.array(state["used"], dtype=np.int64)

@@ -33,12 +33,7 @@ Bones = Literal["elbow", "knee"]
 
 @dataclass(frozen=True)
 class Hinge:
-    """A joint that bends one way.
-
-    Attributes
-    ----------
-    joint : {"elbow", "knee"}
-    """
+    """A joint that bends one way."""
 
     joint: Bones
     side: Side

@@ -148,7 +148,6 @@ def check_recording(
     chunk : ImuChunk
         As declared (rad/s, m/s^2, T).
     names : sequence of str, length S
-    hemisphere : {"north", "south", "unknown"}
 
     Raises
     ------

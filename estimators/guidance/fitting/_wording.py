@@ -26,7 +26,6 @@ def fitting_sentence(sentence: str, posture: Posture, channels: Sequence[str], m
     ----------
     sentence : str
         Code of a cue.
-    posture : {"standing", "seated"}
     channels : sequence of str
         C names.
     mean : ndarray, shape (P, C)

@@ -162,7 +162,7 @@ def check(parameters: TelemotionParameters) -> None:
 
 
 def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, float]:
-    """Return the constants of the kernels by the names of their record."""
+    """Return the constants of the kernels; their record has these fields in this order."""
     p = parameters
     block_ticks = max(1.0, round(p.block_s / step_s))
     block_s = block_ticks * step_s
@@ -196,20 +196,6 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "field_noise_rest": p.field_noise_rest_ut_sqrt_s,
         "field_noise_start": p.field_noise_start_ut_sqrt_s,
         "field_scale": p.field_scale_ut**2,
-        "field_same_s": p.field_same_s,
-        "region_base": p.region_ut**2,
-        "region_share": p.region_share,
-        "region_s": p.region_s,
-        "turn_free": p.field_turn_free,
-        "quiet_level": p.quiet_ut**2,
-        "quiet_s": p.quiet_s,
-        "quiet_least": p.quiet_least,
-        "rest_surprise": math.radians(p.rest_surprise_degps) ** 2,
-        "rest_sure_s": p.rest_sure_s,
-        "rest_sway_s": p.rest_sway_s,
-        "bias_start": math.radians(p.bias_start_sigma_degps) ** 2,
-        "up_window_s": p.upright_window_s,
-        "up_limit": math.radians(p.upright_limit_deg),
         "field_level_s": p.field_level_s,
         "start_leaving_s": p.start_leaving_s,
         "iron_window_s": p.iron_window_s,
@@ -224,8 +210,6 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "start_middle": p.start_middle_ut**2,
         "start_narrow_odds": math.log(p.start_narrow_odds),
         "start_middle_odds": math.log(p.start_middle_odds),
-        "steady_change": p.steady_change_ut**2,
-        "steady_trusted_s": p.steady_trusted_s,
         "gap_share": p.gap_share**2,
         "clip_rate": math.radians(p.clip_rate_sigma_degps) ** 2,
         "clip_force": p.clip_force_sigma_mps2**2,
@@ -238,4 +222,20 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "tilt_floor": math.radians(p.tilt_sigma_floor_deg) ** 2,
         "heading_floor": math.radians(p.heading_sigma_floor_deg) ** 2,
         "heading_lost": math.radians(p.heading_lost_sigma_deg),
+        "steady_change": p.steady_change_ut**2,
+        "steady_trusted_s": p.steady_trusted_s,
+        "field_same_s": p.field_same_s,
+        "region_base": p.region_ut**2,
+        "region_share": p.region_share,
+        "region_s": p.region_s,
+        "turn_free": p.field_turn_free,
+        "quiet_level": p.quiet_ut**2,
+        "quiet_s": p.quiet_s,
+        "quiet_least": p.quiet_least,
+        "rest_surprise": math.radians(p.rest_surprise_degps) ** 2,
+        "rest_sure_s": p.rest_sure_s,
+        "rest_sway_s": p.rest_sway_s,
+        "bias_start": math.radians(p.bias_start_sigma_degps) ** 2,
+        "up_window_s": p.upright_window_s,
+        "up_limit": math.radians(p.upright_limit_deg),
     }

@@ -7,7 +7,8 @@ unknown heading is no large angle in the filter: north is where the estimated fi
 
 from typing import Final
 
-from estimators.kernels import Fields, record
+from estimators.kernels import Fields, fields_of, record
+from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
 
 # Places in the error state and its covariance.
 TURN: Final = 0
@@ -110,79 +111,5 @@ STATE: Final = record(
 SAMPLE: Final = record(_vectors("rate", "force", "field"), _counts("has_field", "saturated"))
 """One tick: raw rate, specific force, field in microtesla."""
 
-SETTINGS: Final = record(
-    _floats(
-        "step_s",
-        "block_ticks",
-        "hypothesis_blocks",
-        "start_ticks",
-        "moving_ticks",
-        "falling_ticks",
-        "coast_ticks",
-        "convergence_ticks",
-        "tilt_start",
-        "tilt_restart",
-        "heading_restart",
-        "speed_start",
-        "field_start",
-        "bias_drift",
-        "rate_noise",
-        "rate_noise_per_rate",
-        "speed_noise",
-        "position_noise",
-        "position_prior",
-        "rest_rate",
-        "rest_force",
-        "rest_minimum_s",
-        "rest_speed",
-        "rest_bias",
-        "rest_gain",
-        "field_noise_moving",
-        "field_noise_rest",
-        "field_noise_start",
-        "field_scale",
-        "field_level_s",
-        "start_leaving_s",
-        "iron_window_s",
-        "iron_ratio",
-        "iron_wide",
-        "iron_narrow",
-        "iron_middle",
-        "iron_narrow_odds",
-        "iron_middle_odds",
-        "start_wide",
-        "start_narrow",
-        "start_middle",
-        "start_narrow_odds",
-        "start_middle_odds",
-        "gap_share",
-        "clip_rate",
-        "clip_force",
-        "return_gain",
-        "return_step",
-        "lead_s",
-        "force_tolerance",
-        "tilt_scale",
-        "heading_scale",
-        "tilt_floor",
-        "heading_floor",
-        "heading_lost",
-        "steady_change",
-        "steady_trusted_s",
-        "field_same_s",
-        "region_base",
-        "region_share",
-        "region_s",
-        "turn_free",
-        "quiet_level",
-        "quiet_s",
-        "quiet_least",
-        "rest_surprise",
-        "rest_sure_s",
-        "rest_sway_s",
-        "bias_start",
-        "up_window_s",
-        "up_limit",
-    )
-)
-"""Constants derived from the parameters, in the units above."""
+SETTINGS: Final = record(fields_of(settings_of(TelemotionParameters(), 1.0)))
+"""Constants derived from the parameters, in the units above: those of `settings_of`, in its order."""

@@ -10,49 +10,13 @@ import math
 
 from estimators._kernels import multiply, normalized, rotate, rotate_back
 from estimators.conventions import GRAVITY_MPS2
-from estimators.kernels import Record, record, step
+from estimators.kernels import Record, fields_of, record, step
+from estimators.orientation.vqf._parameters import VqfParameters, settings_of
 from estimators.recording import Float
 
-B0, B1, B2, A1, A2, SETTLED_S, COEFFICIENTS = range(7)
+B0, B1, B2, A1, A2, SETTLED_S = range(6)
 """Coefficients of a low-pass, then its time constant: until then it is the mean."""
-SETTINGS = record(
-    [
-        ("step_s", "f8"),
-        ("force_low_pass", "f8", COEFFICIENTS),
-        ("rest_low_pass", "f8", COEFFICIENTS),
-        ("field_low_pass", "f8", COEFFICIENTS),
-        ("heading_gain", "f8"),
-        ("reference_gain", "f8"),
-        ("learns_in_motion", "i8"),
-        ("learns_at_rest", "i8"),
-        ("rejects", "i8"),
-        # Variances and weights of the bias in squares of 0.01 degrees a second.
-        ("bias_start_variance", "f8"),
-        ("bias_drift", "f8"),
-        ("bias_limit", "f8"),
-        ("motion_weight", "f8"),
-        ("vertical_weight", "f8"),
-        ("rest_weight", "f8"),
-        ("rest_minimum_s", "f8"),
-        ("rest_rate_limit", "f8"),
-        ("rest_force_limit", "f8"),
-        ("norm_tolerance", "f8"),
-        ("dip_tolerance", "f8"),
-        ("new_field_s", "f8"),
-        ("first_field_s", "f8"),
-        ("new_field_rate", "f8"),
-        ("undisturbed_minimum_s", "f8"),
-        ("rejected_maximum_s", "f8"),
-        ("rejection_factor", "f8"),
-        ("heading_time_s", "f8"),
-        ("latency_s", "f8"),
-        ("restart_tilt_samples", "f8"),
-        ("restart_gain", "f8"),
-        ("convergence_s", "f8"),
-        ("acceleration_tolerance", "f8"),
-        ("tilt_time_s", "f8"),
-    ]
-)
+SETTINGS = record(fields_of(settings_of(VqfParameters(), 1.0)))
 """Constants for one time step."""
 
 STATE = record(

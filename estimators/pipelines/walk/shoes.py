@@ -341,6 +341,3 @@ def _mass(feet: BothFeet) -> float:
         return body_mass(feet.force_n, feet.is_standing)
     # Over whole strides the ground carries the weight and nothing else.
     return float(feet.force_n[:, 2].mean() / GRAVITY_MPS2)
-
-
-__all__ = ["BALANCE_POINTS", "BALANCE_SCALARS", "ShoeWalk", "analyse_shoes", "has_shoes", "with_shoes"]

@@ -100,7 +100,7 @@ def test_from_simulate_to_process(tmp_path):
     done = CliRunner().invoke(cli, [*words, "--parameters", '{"gain_sigma": 0.002}'])
     assert done.exit_code == 0, done.output
     assert "thigh_left against pelvis" in done.output
-    scene = simulated(RelativeOptions("", "", "", "", "walk_leg", 14.0, seed=4, bursts=True)).scene
+    scene = simulated(RelativeOptions(relative="walk_leg", duration_s=14.0, seed=4, bursts=True)).scene
     poses = {name: read(out / f"thigh_left_{name}.csv") for name in ("bursts", "filter", "smoothed")}
     rms = {}
     for name, found in poses.items():

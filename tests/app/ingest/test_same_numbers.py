@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 
 from app import readers
 from app.cli import cli
-from app.commands.upload import Wanted, declaration_of
+from app.commands.options.tables import UploadOptions
+from app.commands.upload import declaration_of
 from app.database.unit_of_work import read_only
 from app.ingest.upload_task import upload
 from app.network.packet_log import write_log
@@ -110,9 +111,10 @@ for _name in sorted(set(readers.readers()) - {name.partition(":")[0] for name in
 
 
 def stored(
-    engine: Engine, settings: Settings, queue: Callable[[Path, UploadIn], str], path: Path, wanted: Wanted
+    engine: Engine, settings: Settings, queue: Callable[[Path, UploadIn], str], wanted: UploadOptions
 ) -> tuple[Frames, str]:
     """Upload a file; return the frames of the session and its pipeline."""
+    (path,) = wanted.recording
     job_id = queue(path, declaration_of(path, wanted))
     done = run_job(engine, settings, job_id, upload)
     assert done.status == "complete", done.message
@@ -146,8 +148,8 @@ def test_an_upload_and_the_command_line_give_the_same_numbers(
 ) -> None:
     path = CASES[name](tmp_path, simulated)
     is_table = name.startswith(("csv", "zipped"))
-    wanted = Wanted(world.patient_id, guess=is_table, force=is_table)
-    frames, pipeline = stored(engine, settings, queue, path, wanted)
+    wanted = UploadOptions(recording=[path], patient=world.patient_id, guess=is_table, force=is_table)
+    frames, pipeline = stored(engine, settings, queue, wanted)
     options = ["--guess", "--force"] if is_table else []
     said = CliRunner().invoke(cli, ["process", str(path), *options, "--out", str(tmp_path / "out")])
     assert said.exit_code == 0, said.output

@@ -1,5 +1,6 @@
 """The centre of mass of stored results: from an uploaded recording of trunk and legs to curves, and who may read it."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from app import readers
 from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
 from app.commands import mass_centre as command
+from app.commands.options.recordings import MassCentreOptions
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.network.packet_log import write_log
@@ -160,7 +162,10 @@ def test_the_command_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
     prepared = readers.packets_of(made.recording)
     log = tmp_path / "trunk_and_legs.tml"
     log.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(0))))
-    command.mass_centre(log, tmp_path / "out", "packet_log", None, None, (1.0, 4.0), 1.70)
+    wanted = MassCentreOptions(
+        recording=log, out=tmp_path / "out", format="packet_log", pose_s=(1.0, 4.0), stature_m=1.70
+    )
+    command.mass_centre(wanted)
     rows = np.genfromtxt(tmp_path / "out" / "mass_centre.csv", delimiter=",", names=True)
     assert rows.dtype.names == ("time_s", *MASS_SCALARS)
     assert np.nanmean(rows["centre_of_mass_height_m"]) == pytest.approx(0.56 * 1.70, abs=0.03)
@@ -169,4 +174,4 @@ def test_the_command_writes_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
     prepared = readers.packets_of(arms.recording)
     log.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(0))))
     with pytest.raises(InvalidInput, match="both thighs"):
-        command.mass_centre(log, tmp_path / "none", "packet_log", None, None, None, 1.70)
+        command.mass_centre(replace(wanted, out=tmp_path / "none", pose_s=None))

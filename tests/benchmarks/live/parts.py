@@ -118,7 +118,7 @@ def arms(seconds: float) -> tuple[Part, dict[str, Any]]:
 
 def walks(seconds: float) -> Part:
     """Return sessions of shoes with forces under them."""
-    _, measured, apart_m = walk_of(WalkOptions("", "", "", "", steps=60))
+    _, measured, apart_m = walk_of(WalkOptions(steps=60))
     stream = stream_of(measured)
     placements = [name for placed in stream.placements for name in get_args(Placement) if name == placed]
     wanted = SessionIn(

@@ -396,5 +396,5 @@ def test_what_does_not_fit_is_refused_in_words():
         running.update(q, q[:3], 0)
     with pytest.raises(ShapeError, match="usable"):
         running.update(q, q, 0, np.ones(4, dtype=bool))
-    with pytest.raises(ShapeError, match="other joints"):
+    with pytest.raises(ShapeError, match="another filter"):
         running.restore(JointHeadingConstraint(["humerus_forearm"] * 2, STEP_S).state())

@@ -16,8 +16,9 @@ from typer.testing import CliRunner
 
 from app import readers
 from app.cli import cli
+from app.commands.options.tables import UploadOptions
 from app.commands.processing import estimate
-from app.commands.upload import Wanted, declaration_of
+from app.commands.upload import declaration_of
 from app.errors import InvalidInput
 from app.ingest import upload_task
 from app.ingest.preview import previewed
@@ -247,10 +248,11 @@ def doors(
         return declare(world, **declared), [*of_sensors, *seen.notes]
 
     def command(case: Case, path: Path, capsys: Any) -> tuple[UploadIn, list[str]] | Verdict:
-        said = {"rate_hz": case.rate_hz, "force": case.force, "hemisphere": case.hemisphere or None}
+        said = {"rate_hz": case.rate_hz, "force": case.force, "hemisphere": case.hemisphere}
+        options = UploadOptions(recording=[path], patient=world.patient_id, guess=True, **said)
         capsys.readouterr()
         try:
-            declaration = declaration_of(path, Wanted(world.patient_id, guess=True, **said))
+            declaration = declaration_of(path, options)
         except InvalidInput as error:
             return Verdict(_codes_of(error))
         return declaration, [line.partition(": ")[2] for line in capsys.readouterr().err.splitlines()]

@@ -31,7 +31,7 @@ async def table_of(service: ServiceClient, session_id: str, result_id: str) -> d
 
 @pytest.mark.slow
 def test_mass_and_pressure_live_over_the_socket(signed_in: SignedIn, world: Any) -> None:
-    options = WalkOptions("", "", "", world.patient_id, steps=18, seed=2, speed=None)
+    options = WalkOptions(patient_id=world.patient_id, steps=18, seed=2, speed=None)
     walked, measured, _ = walk_of(options)
     heel = measured.sensors["heel_right"]
     force = heel.force_n.copy()

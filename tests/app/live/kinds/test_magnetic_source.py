@@ -128,12 +128,9 @@ def test_the_source_does_what_is_asked_and_a_cut_link_does_no_harm(signed_in: Si
     async def run() -> None:
         async with await signed_in() as service:
             with pytest.raises((SafetyUnconfirmed, TelemotionError), match="pacemaker"):
-                await stream(service, RelativeOptions("", "", "", world.patient_id, duration_s=10.0), print)
+                await stream(service, RelativeOptions(patient_id=world.patient_id, duration_s=10.0), print)
             options = RelativeOptions(
-                "",
-                "",
-                "",
-                world.patient_id,
+                patient_id=world.patient_id,
                 duration_s=12.0,
                 no_implants=True,
                 breaks_s=((9.0, 10.0),),
@@ -220,10 +217,7 @@ def test_what_goes_wrong_is_told_and_the_session_goes_on(signed_in: SignedIn, wo
     async def run() -> None:
         async with await signed_in() as service:
             options = RelativeOptions(
-                "",
-                "",
-                "",
-                world.patient_id,
+                patient_id=world.patient_id,
                 duration_s=wrong.duration_s,
                 speed=2.0,
                 no_implants=True,

@@ -11,10 +11,8 @@ from app.commands.simulation import arm
 @pytest.mark.parametrize("seed", [1, 2])
 def test_loss_and_breaks_end_well(signed_in, server, world, seed):
     options = arm.Options(
-        server.address,
-        "",
-        "",
-        world.patient_id,
+        server=server.address,
+        patient_id=world.patient_id,
         repetitions=2,
         loss_percent=8.0,
         breaks=2,
