@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-returns bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy docs lock wheel check-versions browser clean
+.PHONY: help run run-scaled test test-quick test-costs coverage checks lint types web web-test api-test bench-live bench-cues bench-pages bench-returns bench-abuse bench-kills bench-scaled bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy docs lock wheel try-wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -170,6 +170,9 @@ wheel: $(VENV)/scaled web/dist/index.html ## Build a wheel that carries the brow
 	@$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w dist .
 	@# In the tree they would be taken instead of those that an edit compiles.
 	@rm -rf estimators/_compiled
+
+try-wheel: wheel ## Install the wheel into an empty environment and start its demonstration there
+	@$(BIN)/python tests/notebook/try_wheel.py $$(ls -t dist/*.whl | head -1)
 
 clean: ## Remove everything that is built; the database under var/ stays
 	@rm -rf $(VENV) web/node_modules web/dist app/static estimators/_compiled dist build
