@@ -4,7 +4,7 @@ import { IconPlugConnectedX, IconUser } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore, type RefObject } from 'react';
 import { api, ApiError } from '../api/client';
-import type { CameraCommand, View, ViewIn } from '../api/types';
+import type { View, ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
@@ -12,6 +12,7 @@ import { canDraw3D, hasDrawn, whenLostForGood } from '../lib/browser/webgl';
 import type { Player } from '../player/types';
 import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
+import type { Near, Preset } from './CameraBar';
 
 // A patient who exercises does not turn the picture: her page loads no buttons for it.
 const CameraBar = lazy(() => import('./CameraBar'));
@@ -34,8 +35,6 @@ export interface Viewer3DProps {
   isPlain?: boolean;
 }
 
-export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';
-export type Preset = NonNullable<CameraCommand['preset']>;
 const never = () => () => undefined;
 /** While the service is out of reach it is asked for a view so often. */
 const ASK_AGAIN_MS = 2500;
