@@ -3,8 +3,9 @@ import { Button, useComputedColorScheme } from '@mantine/core';
 import { IconPlugConnectedX, IconUser } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore, type RefObject } from 'react';
+import { ofSession } from '../api/address';
 import { api, ApiError } from '../api/client';
-import type { View, ViewIn } from '../api/types';
+import type { ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
@@ -107,7 +108,8 @@ function Solid({
       request.template_version_id ?? null,
       request.markers_id ?? null,
     ],
-    queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, { ...request, language }),
+    queryFn: () =>
+      api.post('/api/sessions/{session_id}/views', { ...ofSession(sessionId), body: { ...request, language } }),
     enabled: isReady,
     staleTime: Infinity,
     gcTime: 0,
