@@ -18,7 +18,8 @@ import { StrictMode } from 'react';
 import { createRoot } from 'react-dom/client';
 import { RouterProvider } from 'react-router';
 import { ApiError } from './api/client';
-import { keys, meQuery } from './api/queries';
+import { key } from './api/address';
+import { meQuery } from './api/queries';
 import { wantedSignOut, type SignOutReason } from './api/signOut';
 import { router } from './App';
 import { SignedOutFirst } from './components/account/SignedOutFirst';
@@ -44,7 +45,7 @@ const queryClient = new QueryClient({
 
 // A sign-in that ended anywhere ends everywhere: the next render shows the sign-in page.
 queryClient.getQueryCache().config.onError = (error) => {
-  if (error instanceof ApiError && error.status === 401) queryClient.setQueryData(keys.me, null);
+  if (error instanceof ApiError && error.status === 401) queryClient.setQueryData(key('me'), null);
 };
 
 pruneDrafts();

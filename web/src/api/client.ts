@@ -3,8 +3,17 @@ import { t } from '../i18n';
 import { sentencesReady } from '../i18n/languages';
 import { inOurWords } from '../i18n/sentence';
 import { idleSeconds } from '../lib/browser/idle';
+import {
+  address,
+  addressOf,
+  type Address,
+  type Answer,
+  type BesideForm,
+  type Given,
+  type Method,
+  type PathOf,
+} from './address';
 import { anotherSignedIn, signInAgain } from './signInAgain';
-import type { Me } from './types';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {
@@ -40,7 +49,7 @@ function isTokenOld(error: ApiError): boolean {
 /** Whether the same account has signed in elsewhere, whose token is then taken; to another one the page is not left. */
 async function renewToken(): Promise<boolean> {
   if (account === '') return false;
-  const me = await api.get<Me>('/api/me');
+  const me = await api.get(address('/api/me'));
   if (me.account_id !== account) {
     anotherSignedIn(me.account_id);
     return false;
@@ -79,7 +88,7 @@ async function send(path: string, init: RequestInit, manner: Manner = {}): Promi
         ...idleHeader(),
         // Of the sign-in that holds when it is sent: after signing in again it is another one.
         ...(init.method ? { 'X-CSRF-Token': csrfToken } : {}),
-        ...(init.headers as Record<string, string> | undefined),
+        ...(init.body ? { 'Content-Type': 'application/json' } : {}),
       },
     });
   } catch (error) {
@@ -110,51 +119,31 @@ async function json<T>(response: Response): Promise<T> {
   return (text ? await heard<T>(text) : undefined) as T;
 }
 
-function change(method: string, manner?: Manner) {
-  return async <T>(path: string, body?: unknown, signal?: AbortSignal): Promise<T> =>
-    json<T>(
-      await send(
-        path,
-        {
-          method,
-          signal,
-          headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
-          body: body === undefined ? undefined : JSON.stringify(body),
-        },
-        manner,
-      ),
-    );
+function change<M extends Method>(method: M, manner?: Manner) {
+  return async <P extends PathOf<M>>(path: P, ...[asked, signal]: Given<M, P>): Promise<Answer<M, P>> => {
+    const body = asked?.body === undefined ? undefined : JSON.stringify(asked.body);
+    return json(await send(addressOf(path, asked), { method: method.toUpperCase(), signal, body }, manner));
+  };
 }
 
-type Query = Record<string, string | number | null | undefined>;
-
-/** Append the parameters that have a value. */
-export function withQuery(path: string, query: Query): string {
-  const search = new URLSearchParams();
-  for (const [name, value] of Object.entries(query)) {
-    if (value !== null && value !== undefined && value !== '') search.set(name, String(value));
-  }
-  const text = search.toString();
-  return text ? `${path}?${text}` : path;
-}
-
+type RowOf<T> = T extends readonly (infer Row)[] ? Row : never;
 /** One page of a list, and the address of the next while there is more. */
 export interface ListPage<T> {
-  rows: T[];
-  next: string | null;
+  rows: RowOf<T>[];
+  next: Address<T> | null;
 }
 
-async function page<T>(path: string, signal?: AbortSignal): Promise<ListPage<T>> {
-  const response = await send(path, { signal });
+async function page<T>(at: Address<T>, signal?: AbortSignal): Promise<ListPage<T>> {
+  const response = await send(at, { signal });
   const next = /<([^>]*)>;\s*rel="next"/.exec(response.headers.get('Link') ?? '')?.[1];
-  return { rows: await json<T[]>(response), next: next ?? null };
+  return { rows: await json(response), next: (next as Address<T> | undefined) ?? null };
 }
 
 /** A whole list, page after page, for what needs every row: choices in a form, a comparison over all. */
-async function all<T>(path: string, signal?: AbortSignal): Promise<T[]> {
-  const found: T[] = [];
-  for (let at: string | null = path; at !== null;) {
-    const { rows, next }: ListPage<T> = await page<T>(at, signal);
+async function all<T>(first: Address<T>, signal?: AbortSignal): Promise<RowOf<T>[]> {
+  const found: RowOf<T>[] = [];
+  for (let at: Address<T> | null = first; at !== null;) {
+    const { rows, next }: ListPage<T> = await page(at, signal);
     found.push(...rows);
     at = next;
   }
@@ -163,32 +152,29 @@ async function all<T>(path: string, signal?: AbortSignal): Promise<T[]> {
 
 /** Questions, and changes that a page makes by itself. */
 export const api = {
-  get: async <T>(path: string, signal?: AbortSignal): Promise<T> => json<T>(await send(path, { signal })),
+  get: async <T>(at: Address<T>, signal?: AbortSignal): Promise<T> => json(await send(at, { signal })),
   page,
   all,
-  binary: async (path: string, signal?: AbortSignal): Promise<ArrayBuffer> =>
-    (await send(path, { signal })).arrayBuffer(),
+  binary: async (at: Address<unknown>, signal?: AbortSignal): Promise<ArrayBuffer> =>
+    (await send(at, { signal })).arrayBuffer(),
   /** An answer whose body is read piece by piece. */
-  stream: async (path: string, signal?: AbortSignal): Promise<Response> => send(path, { signal }),
-  post: change('POST'),
-  put: change('PUT'),
-  patch: change('PATCH'),
-  delete: change('DELETE'),
+  stream: async (at: Address<unknown>, signal?: AbortSignal): Promise<Response> => send(at, { signal }),
+  post: change('post'),
 };
 
 const BY_HAND = { isByHand: true };
 /** Changes that a person asked for: where the sign-in has ended, it is asked for over the page, and then they go on. */
 export const byHand = {
-  post: change('POST', BY_HAND),
-  put: change('PUT', BY_HAND),
-  patch: change('PATCH', BY_HAND),
-  delete: change('DELETE', BY_HAND),
+  post: change('post', BY_HAND),
+  put: change('put', BY_HAND),
+  patch: change('patch', BY_HAND),
+  delete: change('delete', BY_HAND),
 };
 
 /** Whether the sign-in has ended: a service that refuses a long file early may close the line before its answer is heard. */
 async function hasSignInEnded(): Promise<boolean> {
   try {
-    const response = await fetch('/api/me', { credentials: 'same-origin', headers: idleHeader() });
+    const response = await fetch(address('/api/me'), { credentials: 'same-origin', headers: idleHeader() });
     return !response.ok && isSignInNeeded(await errorOf(response), '/api/me');
   } catch {
     return false;
@@ -199,18 +185,20 @@ async function hasSignInEnded(): Promise<boolean> {
  * Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. A person asked for it: where the sign-in has
  * ended, it is asked for over the page, and then the form is sent again.
  */
-export async function upload<T>(
-  path: string,
+export async function upload<P extends PathOf<'post'>>(
+  path: P,
+  names: BesideForm<P>,
   form: FormData,
   onProgress: (share: number) => void,
   signal?: AbortSignal,
-): Promise<T> {
+): Promise<Answer<'post', P>> {
+  const at = addressOf(path, names);
   for (let isRenewed = false; ;) {
     try {
-      return await uploadOnce<T>(path, form, onProgress, signal);
+      return await uploadOnce(at, form, onProgress, signal);
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
-      if (isSignInNeeded(error, path) || (error.code === 'offline' && (await hasSignInEnded()))) {
+      if (isSignInNeeded(error, at) || (error.code === 'offline' && (await hasSignInEnded()))) {
         if (!(await signInAgain(true))) throw error;
       } else if (isTokenOld(error) && !isRenewed && (await renewToken())) isRenewed = true;
       else throw error;

@@ -1,7 +1,7 @@
 // Signing out. The cookie is not ours to delete: only the service can end a browser session. A sign-out that is wanted is
 // noted here until the service has ended it, and nothing else is asked or shown before that, in any tab.
 import { api, ApiError, setCsrfToken } from './client';
-import type { Me } from './types';
+import { address } from './address';
 
 const KEY = 'telemotion.signOut';
 const PATIENCE_MS = 10_000;
@@ -60,7 +60,7 @@ export async function endBrowserSession(signal: AbortSignal): Promise<void> {
   signal.addEventListener('abort', giveUp);
   try {
     // A page that was opened anew has no token.
-    const me = await api.get<Me>('/api/me', within.signal);
+    const me = await api.get(address('/api/me'), within.signal);
     setCsrfToken(me.csrf_token, me.account_id);
     await api.post('/api/sign-out', undefined, within.signal);
   } catch (error) {

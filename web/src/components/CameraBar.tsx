@@ -2,9 +2,13 @@
 import { ActionIcon, SegmentedControl } from '@mantine/core';
 import { IconRotate, IconRotateClockwise, IconZoomIn, IconZoomOut } from '@tabler/icons-react';
 import { useState } from 'react';
+import type { CameraCommand } from '../api/types';
 import { t } from '../i18n';
 import type { ViewLink } from '../player/view';
-import type { Near, Preset } from './Viewer3D';
+
+/** The part of the body that the camera comes near to. */
+export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';
+export type Preset = NonNullable<CameraCommand['preset']>;
 
 const PRESETS = ['start', 'front', 'side', 'top', 'arm'] as const;
 const TURN_DEG = 20;

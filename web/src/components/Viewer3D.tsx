@@ -3,8 +3,9 @@ import { Button, useComputedColorScheme } from '@mantine/core';
 import { IconPlugConnectedX, IconUser } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useRef, useState, useSyncExternalStore, type RefObject } from 'react';
+import { ofSession } from '../api/address';
 import { api, ApiError } from '../api/client';
-import type { CameraCommand, View, ViewIn } from '../api/types';
+import type { ViewIn } from '../api/types';
 import { currentLanguage, t } from '../i18n';
 import { listenForUse } from '../lib/browser/idle';
 import { passKeysOn } from '../lib/browser/keys';
@@ -12,6 +13,7 @@ import { canDraw3D, hasDrawn, whenLostForGood } from '../lib/browser/webgl';
 import type { Player } from '../player/types';
 import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
+import type { Near, Preset } from './CameraBar';
 
 // A patient who exercises does not turn the picture: her page loads no buttons for it.
 const CameraBar = lazy(() => import('./CameraBar'));
@@ -34,8 +36,6 @@ export interface Viewer3DProps {
   isPlain?: boolean;
 }
 
-export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';
-export type Preset = NonNullable<CameraCommand['preset']>;
 const never = () => () => undefined;
 /** While the service is out of reach it is asked for a view so often. */
 const ASK_AGAIN_MS = 2500;
@@ -108,7 +108,8 @@ function Solid({
       request.template_version_id ?? null,
       request.markers_id ?? null,
     ],
-    queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, { ...request, language }),
+    queryFn: () =>
+      api.post('/api/sessions/{session_id}/views', { ...ofSession(sessionId), body: { ...request, language } }),
     enabled: isReady,
     staleTime: Infinity,
     gcTime: 0,

@@ -3,7 +3,7 @@ import { Button } from '@mantine/core';
 import { IconCheck } from '@tabler/icons-react';
 import type { ReactNode } from 'react';
 import { Link } from 'react-router';
-import { useMarkSeen } from '../api/queries';
+import { useMarkSeen } from '../api/changes';
 import type { Worry } from '../api/types';
 import { t } from '../i18n';
 import { dateTime } from '../lib/format';

@@ -2,7 +2,7 @@
 import { Button, Group, Switch } from '@mantine/core';
 import { useState, type FormEvent, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
-import { useNewSession } from '../api/queries';
+import { useNewSession } from '../api/changes';
 import type { SessionIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import type { Unsaved } from '../components/forms/useUnsaved';

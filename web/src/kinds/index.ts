@@ -1,6 +1,6 @@
 // The kinds of session, a folder each; found by the name that the service gives them.
 import type { SessionDetail } from '../api/types';
-import type { Near } from '../components/Viewer3D';
+import type { Near } from '../components/CameraBar';
 import { isOfLegs } from '../lib/placements';
 import type { SessionKind } from './kind';
 

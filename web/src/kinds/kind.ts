@@ -11,7 +11,7 @@ import type {
   StateMessage,
 } from '../api/types';
 import type { TemplateAt } from '../charts/Traces';
-import type { Near } from '../components/Viewer3D';
+import type { Near } from '../components/CameraBar';
 import type { LivePlayer } from '../player/live';
 import type { ReplayPlayer } from '../player/replay';
 import type { Columns } from '../player/types';

@@ -1,6 +1,7 @@
 // The clinic's time zone: administrators choose it, the weeks of exercises begin there.
 import { Select } from '@mantine/core';
-import { useChangeClinic, useClinic } from '../api/queries';
+import { useChangeClinic } from '../api/changes';
+import { useClinic } from '../api/queries';
 import { Answer, Problem } from '../components/Feedback';
 import { t } from '../i18n';
 

@@ -1,7 +1,7 @@
 // What may change of an exercise: its name, its words, and how it is done. What is measured stays.
 import { Button, Group } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
-import { useChangeExercise } from '../api/queries';
+import { useChangeExercise } from '../api/changes';
 import type { Exercise, Posture } from '../api/types';
 import { Problem } from '../components/Feedback';
 import { ExerciseWords, PostureChoice } from '../components/forms/ExerciseFields';

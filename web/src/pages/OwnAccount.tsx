@@ -1,7 +1,7 @@
 import { Button, PasswordInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
-import { useChangePassword } from '../api/queries';
+import { useChangePassword } from '../api/changes';
 import { Notice, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { LanguageChoice } from '../components/account/LanguageChoice';

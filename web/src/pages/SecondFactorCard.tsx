@@ -1,6 +1,7 @@
 import { Button, PasswordInput, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
-import { useBeginSecondFactor, useConfirmSecondFactor, useRemoveSecondFactor, useSecondFactor } from '../api/queries';
+import { useBeginSecondFactor, useConfirmSecondFactor, useRemoveSecondFactor } from '../api/changes';
+import { useSecondFactor } from '../api/queries';
 import { Answer, Notice, Problem } from '../components/Feedback';
 import { QrCode } from '../components/account/QrCode';
 import { t } from '../i18n';

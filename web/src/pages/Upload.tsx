@@ -5,7 +5,7 @@ import { useState, type FormEvent } from 'react';
 import { useSearchParams } from 'react-router';
 import { upload } from '../api/client';
 import { useEstimators, useFormats, useJob, useSession } from '../api/queries';
-import type { Format, GuessedMapping, Job, UploadIn } from '../api/types';
+import type { Format, GuessedMapping, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { isDateOrEmpty } from '../components/forms/DateField';
 import { useUnsaved } from '../components/forms/useUnsaved';
@@ -86,7 +86,7 @@ export function UploadPage() {
   });
   const { mapping } = table;
   const send = useMutation({
-    mutationFn: (form: FormData) => upload<Job>('/api/uploads', form, setSent),
+    mutationFn: (form: FormData) => upload('/api/uploads', {}, form, setSent),
     onMutate: () => setSent(0),
   });
   const job = useJob(send.data?.id ?? null);

@@ -1,7 +1,7 @@
 // A stored session: pages of frames fetched when they are near, a clock of our own, the same contract as live.
-import { api, withQuery } from '../api/client';
+import { address, ofSession } from '../api/address';
+import { api } from '../api/client';
 import { PROTOCOL_VERSION } from '../api/schema';
-import type { LayoutMessage } from '../api/types';
 import { t } from '../i18n';
 import type { Block } from './block';
 import { createDecoder, type Decoder } from './decoder';
@@ -131,8 +131,8 @@ export class ReplayPlayer implements Player {
   async #open(): Promise<void> {
     const { sessionId, resultId, startS, endS } = this.#options;
     try {
-      const message = await api.get<LayoutMessage>(
-        withQuery(`/api/sessions/${sessionId}/layout`, { result_id: resultId }),
+      const message = await api.get(
+        address('/api/sessions/{session_id}/layout', { ...ofSession(sessionId), query: { result_id: resultId } }),
       );
       if (message.protocol_version !== PROTOCOL_VERSION) {
         this.#store.set({
@@ -157,13 +157,11 @@ export class ReplayPlayer implements Player {
 
   async #fetchBlock(startS: number, endS: number, maxPoints: number | null, signal?: AbortSignal): Promise<Block> {
     const { sessionId, resultId } = this.#options;
-    const path = withQuery(`/api/sessions/${sessionId}/frames`, {
-      result_id: resultId,
-      start_s: startS,
-      end_s: endS,
-      max_points: maxPoints,
+    const at = address('/api/sessions/{session_id}/frames', {
+      ...ofSession(sessionId),
+      query: { result_id: resultId, start_s: startS, end_s: endS, max_points: maxPoints },
     });
-    return this.#decoder.decode(await api.binary(path, signal));
+    return this.#decoder.decode(await api.binary(at, signal));
   }
 
   async #fetchPage(page: number): Promise<void> {

@@ -4,6 +4,7 @@ import { IconBluetooth, IconDeviceMobile, IconRouter } from '@tabler/icons-react
 import { useMutation } from '@tanstack/react-query';
 import { lazy, Suspense, useState, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
+import { ofSession } from '../api/address';
 import { byHand } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
 import { useSignedIn } from '../components/account/useSignedIn';
@@ -78,16 +79,18 @@ function Choice({ ways, title, onChoose }: { ways: readonly Way[]; title: string
 /** A phone is one sensor: a session that expects more is begun anew with one, and the empty one ended. */
 async function sessionFor(session: SessionDetail, place: Placement): Promise<SessionDetail> {
   if (session.placements.length === 1) return session;
-  const made = await byHand.post<SessionDetail>('/api/sessions', {
-    patient_id: session.patient_id,
-    exercise_id: session.exercise_id,
-    prescription_id: session.prescription_id,
-    pipeline: session.pipeline as NonNullable<SessionIn['pipeline']>,
-    placements: [place],
-    // How a clinic's sensor sat says nothing about a phone.
-    use_mounting: false,
+  const made = await byHand.post('/api/sessions', {
+    body: {
+      patient_id: session.patient_id,
+      exercise_id: session.exercise_id,
+      prescription_id: session.prescription_id,
+      pipeline: session.pipeline as NonNullable<SessionIn['pipeline']>,
+      placements: [place],
+      // How a clinic's sensor sat says nothing about a phone.
+      use_mounting: false,
+    },
   });
-  await byHand.post<unknown>(`/api/sessions/${session.id}/close`);
+  await byHand.post('/api/sessions/{session_id}/close', ofSession(session.id));
   return made;
 }
 

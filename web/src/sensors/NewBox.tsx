@@ -1,6 +1,6 @@
 // A box that this patient has not used before: it joins by a code or its picture, and then every exercise by itself.
 import { Button } from '@mantine/core';
-import { usePairingCode } from '../api/queries';
+import { usePairingCode } from '../api/changes';
 import { Pairing } from '../components/account/Pairing';
 import { t } from '../i18n';
 import { PlainProblem } from '../pages/mine/PlainProblem';

@@ -1,6 +1,7 @@
 // What an earlier exercise left on this device: sent as soon as there is a connection, and said until it is.
 import { IconCircleCheckFilled } from '@tabler/icons-react';
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from 'react';
+import { ofSession } from '../api/address';
 import { api } from '../api/client';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { Notice } from '../components/Feedback';
@@ -94,7 +95,8 @@ function Sending({
   useEffect(() => {
     if (!isSent) return;
     // Ends by itself where this cannot be sent.
-    if (gateway?.hasReopened) void api.post(`/api/sessions/${network.sessionId}/close`).catch(() => undefined);
+    if (gateway?.hasReopened)
+      void api.post('/api/sessions/{session_id}/close', ofSession(network.sessionId)).catch(() => undefined);
     onSent();
   }, [isSent, onSent, gateway, network]);
   useEffect(() => {

@@ -1,11 +1,5 @@
 // Which session this page measures for, known without loading what measures.
-
-export interface Measuring {
-  sessionId: string;
-  /** Resolves when all that was measured is safe with the service, or the time is over; says whether it is. */
-  settled: (withinMs: number) => Promise<boolean>;
-  stop: () => void;
-}
+import type { Measuring } from './rest';
 
 let measuring: Measuring | null = null;
 

@@ -2,8 +2,15 @@
 import { BrowserGateway } from './gateway/browserGateway';
 import { hasCryptography, heldStoreKey } from './gateway/seal';
 import { PacketStore } from './gateway/store';
-import type { Measuring } from './registry';
 import { isTurnElsewhere } from './turn';
+
+/** What this window measures for a session, whose rest can be asked for. */
+export interface Measuring {
+  sessionId: string;
+  /** Resolves when all that was measured is safe with the service, or the time is over; says whether it is. */
+  settled: (withinMs: number) => Promise<boolean>;
+  stop: () => void;
+}
 
 const NAME = 'telemotion.rest';
 /** A window that measures says at once that it has heard. */

@@ -2,6 +2,7 @@
 import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { describe, expect, it } from 'vitest';
+import { address } from '../../src/api/address';
 import { api } from '../../src/api/client';
 import type { Patient } from '../../src/api/types';
 import { CaseloadPage } from '../../src/pages/Caseload';
@@ -101,7 +102,9 @@ describe('lists in pages', () => {
   });
 
   it('follows a list to its end where every row is needed', async () => {
-    renderPage(<p />, { answers: { '/a': new Paged(['a', 'b'], '/b'), '/b': new Paged(['c'], '/c'), '/c': ['d'] } });
-    expect(await api.all<string>('/a')).toEqual(['a', 'b', 'c', 'd']);
+    renderPage(<p />, {
+      answers: { '/api/accounts': new Paged(['a', 'b'], '/b'), '/b': new Paged(['c'], '/c'), '/c': ['d'] },
+    });
+    expect(await api.all(address('/api/accounts'))).toEqual(['a', 'b', 'c', 'd']);
   });
 });

@@ -2,7 +2,8 @@
 import 'fake-indexeddb/auto';
 import { IDBFactory } from 'fake-indexeddb';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { sendRest, setMeasuring, type Measuring } from '../../src/sensors/registry';
+import { sendRest, setMeasuring } from '../../src/sensors/registry';
+import type { Measuring } from '../../src/sensors/rest';
 import { answerOthers, sendRestElsewhere } from '../../src/sensors/rest';
 import { holdStoreKey } from '../../src/sensors/gateway/seal';
 import { FakeService } from './fakeService';

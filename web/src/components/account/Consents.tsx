@@ -1,5 +1,6 @@
 import { Group, Radio } from '@mantine/core';
-import { useConsent, useConsents } from '../../api/queries';
+import { useConsent } from '../../api/changes';
+import { useConsents } from '../../api/queries';
 import type { ConsentIn } from '../../api/types';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';

@@ -2,6 +2,7 @@
 import { Button } from '@mantine/core';
 import { IconCircleCheckFilled, IconDownload } from '@tabler/icons-react';
 import { useEffect, useRef, useState } from 'react';
+import { address, ofPatient, type Address } from '../../api/address';
 import { api, ApiError } from '../../api/client';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
@@ -20,8 +21,8 @@ function save(pieces: Uint8Array<ArrayBuffer>[], name: string): void {
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
-async function received(path: string, signal: AbortSignal, onSize: (size: number) => void) {
-  const response = await api.stream(path, signal);
+async function received(at: Address<unknown>, signal: AbortSignal, onSize: (size: number) => void) {
+  const response = await api.stream(at, signal);
   const name = /filename="([^"]+)"/.exec(response.headers.get('Content-Disposition') ?? '')?.[1] ?? 'patient.zip';
   const pieces: Uint8Array<ArrayBuffer>[] = [];
   let size = 0;
@@ -37,7 +38,7 @@ async function received(path: string, signal: AbortSignal, onSize: (size: number
 
 /** The archive of everything, as the browser downloads it. */
 export function ExportButton({ patientId, size }: { patientId: string; size?: 'sm' | 'lg' }) {
-  const path = `/api/patients/${patientId}/export`;
+  const at = address('/api/patients/{patient_id}/export', ofPatient(patientId));
   const [state, setState] = useState<State>({ kind: 'idle', size: 0 });
   const running = useRef<AbortController>(undefined);
   useEffect(() => () => running.current?.abort(), []);
@@ -46,7 +47,7 @@ export function ExportButton({ patientId, size }: { patientId: string; size?: 's
     const mine = new AbortController();
     running.current = mine;
     setState({ kind: 'making', size: 0 });
-    received(path, mine.signal, (size) => setState({ kind: 'making', size })).then(
+    received(at, mine.signal, (size) => setState({ kind: 'making', size })).then(
       ({ pieces, name, size }) => {
         save(pieces, name);
         setState({ kind: 'ready', size });
@@ -62,7 +63,7 @@ export function ExportButton({ patientId, size }: { patientId: string; size?: 's
     <div className="export">
       <Button
         component="a"
-        href={path}
+        href={at}
         download
         size={size}
         variant="default"

@@ -1,5 +1,6 @@
 // Warns before a browser that nobody uses is signed out, says so when it was, and keeps one signed in that is used.
 import { useEffect, useState } from 'react';
+import { address } from '../../api/address';
 import { api } from '../../api/client';
 import { wantSignOut } from '../../api/signOut';
 import { t } from '../../i18n';
@@ -26,7 +27,7 @@ export function IdleWatch({ minutes }: { minutes: number }) {
       } else if (idleS < reportEveryS(minutes) && Date.now() - reportedAt > reportEveryS(minutes) * 1000) {
         // Watching asks for nothing over HTTP: without this, a page in use would end like one that is not.
         reportedAt = Date.now();
-        void api.get('/api/me').catch(() => undefined);
+        void api.get(address('/api/me')).catch(() => undefined);
       }
     };
     const timer = setInterval(look, LOOK_EVERY_MS);

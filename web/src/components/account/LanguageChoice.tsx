@@ -22,7 +22,7 @@ export function LanguageChoice({ account }: LanguageChoiceProps) {
   const choose = async (language: Language | '') => {
     setChoice(language);
     try {
-      if (account !== null) await byHand.patch('/api/me', { locale: language });
+      if (account !== null) await byHand.patch('/api/me', { body: { locale: language } });
       chooseHere(language);
       window.location.reload();
     } catch (error) {

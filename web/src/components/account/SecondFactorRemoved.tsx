@@ -1,6 +1,6 @@
 import { Button, Group } from '@mantine/core';
 import { Link } from 'react-router';
-import { useNoteSecondFactor } from '../../api/queries';
+import { useNoteSecondFactor } from '../../api/changes';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import { Notice, Problem } from '../Feedback';

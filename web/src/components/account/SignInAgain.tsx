@@ -3,7 +3,8 @@ import { Button, Group, Modal } from '@mantine/core';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useEffect } from 'react';
 import { api } from '../../api/client';
-import { acceptMe, keys } from '../../api/queries';
+import { key } from '../../api/address';
+import { acceptMe } from '../../api/queries';
 import { anotherSignedIn } from '../../api/signInAgain';
 import type { Me, SignInRequest } from '../../api/types';
 import { t } from '../../i18n';
@@ -23,13 +24,13 @@ export default function SignInAgain({
   const client = useQueryClient();
   const { request, fields, onError } = useSignInFields(me.email);
   const signIn = useMutation({
-    mutationFn: (wanted: SignInRequest) => api.post<Me>('/api/sign-in', wanted),
+    mutationFn: (body: SignInRequest) => api.post('/api/sign-in', { body }),
     onSuccess: async (now) => {
       if (now.account_id !== me.account_id) {
         anotherSignedIn(now.account_id);
         return;
       }
-      client.setQueryData(keys.me, await acceptMe(now));
+      client.setQueryData(key('me'), await acceptMe(now));
       onDone(true);
     },
     onError,
@@ -38,7 +39,7 @@ export default function SignInAgain({
   useEffect(holdEscape, []);
   const leave = () => {
     onDone(false);
-    client.setQueryData(keys.me, null);
+    client.setQueryData(key('me'), null);
   };
   return (
     <Modal

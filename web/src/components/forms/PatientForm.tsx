@@ -2,7 +2,7 @@ import { Button, Checkbox, Group, SimpleGrid, Textarea, TextInput } from '@manti
 import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { ApiError } from '../../api/client';
-import { useAddPatient, useEditPatient } from '../../api/queries';
+import { useAddPatient, useEditPatient } from '../../api/changes';
 import type { BodyDimensions, Patient, PatientIn, PatientPatch, Side } from '../../api/types';
 import { t } from '../../i18n';
 import { bodyLength } from '../../lib/format';

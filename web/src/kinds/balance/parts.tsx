@@ -1,10 +1,11 @@
 // Balance tests: what the therapist marks while it is recorded, lean and sway now, and the tests side by side.
 import { Button, Group } from '@mantine/core';
-import { useMutation } from '@tanstack/react-query';
+import { useMutation, useQuery } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
+import { ofSession } from '../../api/address';
 import { byHand } from '../../api/client';
 import measures from '../../api/measures.json';
-import { keys, useGet } from '../../api/queries';
+import { question } from '../../api/queries';
 import type { Named } from '../../api/types';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
@@ -28,7 +29,8 @@ function Tests({ session, isRecording, mayRecord }: LiveProps) {
   const [done, setDone] = useState<Partial<Record<Condition, number>>>({});
   const [nowMs, setNowMs] = useState(0);
   const mark = useMutation({
-    mutationFn: (label: string) => byHand.post<unknown>(`/api/sessions/${session.id}/mark`, { label }),
+    mutationFn: (label: string) =>
+      byHand.post('/api/sessions/{session_id}/mark', { ...ofSession(session.id), body: { label } }),
     onSuccess: (_, label) => {
       if (running) setDone((before) => ({ ...before, [running.condition]: (before[running.condition] ?? 0) + 1 }));
       const started = CONDITIONS.find((one) => one === label);
@@ -257,8 +259,9 @@ function Numbers({ trials }: { trials: readonly Trial[] }) {
 }
 
 function Panel({ session, resultId, player, onSeek }: ReplayProps) {
-  const path = `/api/sessions/${session.id}/balance?result_id=${resultId}`;
-  const found = useGet<Balance>([...keys.session(session.id), 'balance', resultId], path);
+  const found = useQuery(
+    question('/api/sessions/{session_id}/balance', { ...ofSession(session.id), query: { result_id: resultId } }),
+  );
   return (
     <>
       <h2 className="visually-hidden">{t('stand.result')}</h2>

@@ -1,6 +1,7 @@
 // A new session with a magnetic source: where it is worn, which source it is, and whether it may be switched on at all.
 import { useState } from 'react';
-import { useMagneticSources, useNewSourceSession } from '../../api/queries';
+import { useNewSourceSession } from '../../api/changes';
+import { useMagneticSources } from '../../api/queries';
 import { t } from '../../i18n';
 import { BeginForm } from '../BeginForm';
 import type { BeginProps } from '../kind';

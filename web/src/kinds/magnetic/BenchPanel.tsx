@@ -1,7 +1,8 @@
 // A bench session: where the sensor lay is typed stop by stop, and the coils of the source are found from it.
 import { Button, Group, NumberInput, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
-import { useCalibrateSource, useSourceStops } from '../../api/queries';
+import { useCalibrateSource } from '../../api/changes';
+import { useSourceStops } from '../../api/queries';
 import type { SourceStops } from '../../api/types';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';

@@ -2,7 +2,8 @@
 import { Button } from '@mantine/core';
 import { IconShieldCheck } from '@tabler/icons-react';
 import { useState } from 'react';
-import { useConfirmNoImplants, useMagneticSafety, useWithdrawSafety } from '../../api/queries';
+import { useConfirmNoImplants, useWithdrawSafety } from '../../api/changes';
+import { useMagneticSafety } from '../../api/queries';
 import type { MagneticSafety, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Notice, Problem } from '../../components/Feedback';

@@ -2,7 +2,8 @@
 import { FileButton, Button, Group } from '@mantine/core';
 import { IconFileImport } from '@tabler/icons-react';
 import { useState } from 'react';
-import { useKeepSource, useMagneticSources, useRetireSource } from '../../api/queries';
+import { useKeepSource, useRetireSource } from '../../api/changes';
+import { useMagneticSources } from '../../api/queries';
 import type { MagneticSource, MagneticSourceIn } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Problem } from '../../components/Feedback';

@@ -1,4 +1,5 @@
 // Pages come in pieces that are fetched when first opened: a piece that does not come is no fault of the page.
+import type { PathOf } from '../../api/address';
 
 /** What the browsers say when a piece of the program could not be fetched. */
 const NOT_FETCHED = /dynamically imported module|module script failed|loading.*chunk|preload CSS/i;
@@ -14,7 +15,7 @@ export function isNotFetched(error: unknown): boolean {
 /** Whether the service answers now. */
 export async function isServiceThere(): Promise<boolean> {
   try {
-    return (await fetch('/api/health', { cache: 'no-store' })).ok;
+    return (await fetch('/api/health' satisfies PathOf<'get'>, { cache: 'no-store' })).ok;
   } catch {
     return false;
   }

@@ -12,7 +12,8 @@ import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { lazy, Suspense, useEffect, useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { byHand } from '../../api/client';
-import { keys, useExercises, useGrants, useSession } from '../../api/queries';
+import { key, ofSession } from '../../api/address';
+import { useExercises, useGrants, useSession } from '../../api/queries';
 import type { CalibrationMessage, HealthMessage, Placement, PlayerState, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Waiting } from '../../components/Feedback';
@@ -173,7 +174,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   useSession(session.id, moment === 'preparing' || moment === 'blocked' ? ASK_MS : undefined);
   const isOpen = snapshot.connection === 'open';
   useEffect(() => {
-    if (isOpen) void client.invalidateQueries({ queryKey: keys.session(session.id) });
+    if (isOpen) void client.invalidateQueries({ queryKey: key('sessions', session.id) });
   }, [isOpen, client, session.id]);
   const { start, cancel, error } = useCalibrating(session.id);
   const records = isRecording(snapshot, session);
@@ -182,12 +183,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   }, [records]);
   const deed = useMutation({
     mutationFn: async (what: 'record' | 'end') => {
-      if (what === 'record') return byHand.post<unknown>(`/api/sessions/${session.id}/record`);
-      if (records) await byHand.post<unknown>(`/api/sessions/${session.id}/stop`);
+      if (what === 'record') return byHand.post('/api/sessions/{session_id}/record', ofSession(session.id));
+      if (records) await byHand.post('/api/sessions/{session_id}/stop', ofSession(session.id));
       if (!(await sendRest(session.id))) throw new StillSending();
-      return byHand.post<unknown>(`/api/sessions/${session.id}/close`);
+      return byHand.post('/api/sessions/{session_id}/close', ofSession(session.id));
     },
-    onSettled: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
+    onSettled: () => client.invalidateQueries({ queryKey: key('sessions', session.id) }),
   });
   // How the sensors sit may be known from last time: then holding still sets the directions only.
   const known = (snapshot.state ? snapshot.state.calibration : session.calibration)?.needs_headings ?? false;

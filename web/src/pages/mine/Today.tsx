@@ -3,14 +3,8 @@ import { Button } from '@mantine/core';
 import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tabler/icons-react';
 import { lazy, Suspense } from 'react';
 import { Link, useNavigate } from 'react-router';
-import {
-  useExercises,
-  useNewSession,
-  usePatient,
-  usePatientSessions,
-  usePrescriptions,
-  useProgress,
-} from '../../api/queries';
+import { useNewSession } from '../../api/changes';
+import { useExercises, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { Me, Prescription, Session, SessionIn } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';

@@ -4,7 +4,7 @@ import { useDisclosure } from '@mantine/hooks';
 import { IconArchive, IconArchiveOff, IconTrash } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useNavigate } from 'react-router';
-import { useEditPatient, useErasePatient } from '../../api/queries';
+import { useEditPatient, useErasePatient } from '../../api/changes';
 import type { Patient } from '../../api/types';
 import { MergeRecords } from './MergeRecords';
 import { ExportButton } from '../../components/account/ExportButton';

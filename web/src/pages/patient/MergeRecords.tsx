@@ -2,7 +2,8 @@
 import { Button, Modal, Select, Textarea } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { useState } from 'react';
-import { useMergePatients, usePatients } from '../../api/queries';
+import { useMergePatients } from '../../api/changes';
+import { usePatients } from '../../api/queries';
 import type { Patient } from '../../api/types';
 import { Problem } from '../../components/Feedback';
 import { t } from '../../i18n';

@@ -1,7 +1,7 @@
 // The therapist's words in the report of a course: read by all, written by who treats; on paper only the words that are saved.
 import { Button, Group, Textarea } from '@mantine/core';
 import { useState } from 'react';
-import { useWriteCourseNote } from '../../api/queries';
+import { useWriteCourseNote } from '../../api/changes';
 import type { Course, Patient } from '../../api/types';
 import { Problem } from '../../components/Feedback';
 import { useUnsaved } from '../../components/forms/useUnsaved';

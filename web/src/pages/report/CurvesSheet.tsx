@@ -5,8 +5,7 @@ import { channelLabel } from '../../lib/channels';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import { withUnit } from '../../lib/format';
 import { PhaseLegend } from './PhaseLegend';
-import type { ReportProps } from './ReportPage';
-import { Sheet } from './Sheet';
+import { Sheet, type ReportProps } from './Sheet';
 
 const MOST_CURVES = 6;
 

@@ -6,8 +6,7 @@ import { channelLabel, placementLabel } from '../../lib/channels';
 import { date, number } from '../../lib/format';
 import { estimatorTitle } from '../../lib/sessions';
 import { scoreText } from '../session/live/Calibration';
-import type { ReportProps } from './ReportPage';
-import { Sheet } from './Sheet';
+import { Sheet, type ReportProps } from './Sheet';
 
 interface MethodProps extends ReportProps {
   template: TemplateVersionDetail | null;

@@ -12,7 +12,7 @@ import {
   useSession,
   useTemplateVersion,
 } from '../../api/queries';
-import type { ComparisonDetail, Patient, Progress, SessionDetail } from '../../api/types';
+import type { Patient, SessionDetail } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
@@ -21,16 +21,10 @@ import { fullName, patientCrumbs } from '../../lib/people';
 import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
 import { Papers } from './Papers';
+import type { ReportProps } from './Sheet';
 import { SummarySheet } from './SummarySheet';
 import { partsOf } from '../../kinds/parts';
 import { sessionTitle } from '../../lib/sessions';
-
-export interface ReportProps {
-  session: SessionDetail;
-  patient: Patient;
-  comparison: ComparisonDetail | null;
-  progress: Progress | null;
-}
 
 function Sheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
   const comparisons = useComparisons(session.id);

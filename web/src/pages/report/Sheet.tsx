@@ -1,8 +1,16 @@
 import { useId, type ReactNode } from 'react';
+import type { ComparisonDetail, Patient, Progress, SessionDetail } from '../../api/types';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
-import type { ReportProps } from './ReportPage';
+
+/** What every sheet of a report is made from. */
+export interface ReportProps {
+  session: SessionDetail;
+  patient: Patient;
+  comparison: ComparisonDetail | null;
+  progress: Progress | null;
+}
 
 /** One sheet of paper with its head and foot; printed, it starts a page. */
 export function Sheet({

@@ -7,8 +7,7 @@ import { dateTime, duration, quantity, uncertain, withUnit } from '../../lib/for
 import { mainMeasure } from '../../lib/plain';
 import { repetitionsText, reportRows } from '../../lib/assessment/report';
 import { trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
-import type { ReportProps } from './ReportPage';
-import { Sheet } from './Sheet';
+import { Sheet, type ReportProps } from './Sheet';
 import { sessionTitle } from '../../lib/sessions';
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>

@@ -6,15 +6,8 @@ import { useMutation, useQuery } from '@tanstack/react-query';
 import { useMemo, useState } from 'react';
 import { Link, useNavigate, useSearchParams } from 'react-router';
 import { api } from '../../api/client';
-import {
-  useExercises,
-  usePatient,
-  usePatients,
-  usePatientSessions,
-  useSaveTemplate,
-  useSession,
-  useTemplates,
-} from '../../api/queries';
+import { useSaveTemplate } from '../../api/changes';
+import { useExercises, usePatient, usePatients, usePatientSessions, useSession, useTemplates } from '../../api/queries';
 import type { SessionDetail, TemplateContent, TemplatePreviewIn, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
 import { RadioCards } from '../../components/forms/Choice';
@@ -366,7 +359,7 @@ function Preview({ session, exerciseId }: { session: SessionDetail; exerciseId: 
   const [settled] = useDebouncedValue(request, 350);
   const preview = useQuery({
     queryKey: ['template-preview', settled],
-    queryFn: () => api.post<TemplateContent>('/api/templates/preview', settled),
+    queryFn: () => api.post('/api/templates/preview', { body: settled }),
     placeholderData: (before) => before,
     staleTime: Infinity,
     retry: false,

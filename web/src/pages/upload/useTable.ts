@@ -40,14 +40,16 @@ export function useTable(onFound: (found: TablePreview) => void): Table {
   const pipeline = useRef<Pipeline | null>(null);
   useEffect(() => () => clearTimeout(waiting.current), []);
   const ask = async ({ file, pipeline: wanted, mapping: said, hemisphere }: Asked) =>
-    byHand.post<TablePreview>('/api/uploads/preview', {
-      file_name: file.name.slice(-200),
-      beginning: await beginningOf(file),
-      later: await laterOf(file),
-      pipeline: wanted,
-      ...(said && { mapping: said }),
-      ...(hemisphere && { hemisphere }),
-    } satisfies PreviewIn);
+    byHand.post('/api/uploads/preview', {
+      body: {
+        file_name: file.name.slice(-200),
+        beginning: await beginningOf(file),
+        later: await laterOf(file),
+        pipeline: wanted,
+        ...(said && { mapping: said }),
+        ...(hemisphere && { hemisphere }),
+      },
+    });
   const look = useMutation({
     mutationFn: ask,
     onSuccess: (found, { turn }) => {

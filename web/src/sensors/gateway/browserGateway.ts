@@ -1,6 +1,6 @@
 // The page's handle on its gateway: one a session, whatever page of the session is shown.
+import { ofSession } from '../../api/address';
 import { api, ApiError, socketUrl } from '../../api/client';
-import type { StateMessage } from '../../api/types';
 import { words } from '../../i18n/sentence';
 import type { Sample } from './grid';
 import type { FromWorker, ToWorker } from './messages';
@@ -91,12 +91,15 @@ export class BrowserGateway {
 
   async #ticket(number: number): Promise<void> {
     try {
-      const path = `/api/sessions/${this.network.sessionId}`;
+      const of = ofSession(this.network.sessionId);
       if (this.#isLate) {
-        const { sentences } = await api.post<StateMessage>(`${path}/reopen`);
+        const { sentences } = await api.post('/api/sessions/{session_id}/reopen', of);
         this.hasReopened ||= [sentences?.reason].flat().some((one) => typeof one === 'object' && one.code === REOPENED);
       }
-      const { ticket } = await api.post<{ ticket: string }>(`${path}/ticket`, { purpose: 'ingest' });
+      const { ticket } = await api.post('/api/sessions/{session_id}/ticket', {
+        ...of,
+        body: { purpose: 'ingest' },
+      });
       this.#post({ type: 'ticket', number, ticket });
     } catch (error) {
       const refusal =

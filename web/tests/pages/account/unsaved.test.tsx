@@ -6,7 +6,8 @@ import userEvent from '@testing-library/user-event';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { api, byHand, setCsrfToken } from '../../../src/api/client';
-import { forgetEverything, keys } from '../../../src/api/queries';
+import { address, key, ofSession } from '../../../src/api/address';
+import { forgetEverything } from '../../../src/api/queries';
 import type { Patient } from '../../../src/api/types';
 import { PatientForm } from '../../../src/components/forms/PatientForm';
 import { Shell } from '../../../src/components/Shell';
@@ -112,7 +113,7 @@ it('counts as saved as soon as the service has stored it, however long the lists
     return init?.method ? plain(path, init) : new Promise(() => undefined);
   });
   // The list that a new patient makes old, and that nobody answers.
-  const list = new QueryObserver(view.client, { queryKey: keys.caseload, queryFn: () => fetch('/api/caseload') });
+  const list = new QueryObserver(view.client, { queryKey: key('caseload'), queryFn: () => fetch('/api/caseload') });
   const stop = list.subscribe(() => undefined);
   type('Family name', 'Berg');
   await userEvent.click(screen.getByRole('button', { name: 'Save' }));
@@ -197,6 +198,7 @@ it('shows nobody the draft of another account', () => {
   expect(screen.queryByText(/^You began to change this/)).toBeNull();
 });
 
+const NOBODY = { given_name: '', family_name: '' };
 const refusedOf = (asking: Promise<unknown>) =>
   asking.then(
     () => 'answered',
@@ -224,7 +226,7 @@ function framed(answer: (what: string, path: string, token: string) => Response)
   }));
   vi.spyOn(window, 'scrollTo').mockImplementation(() => undefined);
   const client = new QueryClient({ defaultOptions: { queries: { retry: false } } });
-  client.setQueryData(keys.me, THERAPIST);
+  client.setQueryData(key('me'), THERAPIST);
   setCsrfToken('first', THERAPIST.account_id);
   const router = createMemoryRouter(
     [
@@ -280,7 +282,7 @@ it('signs in over a form, which stays, and goes on with the save', async () => {
 
 it('saves nothing in the name of another account, which gets neither form nor draft', async () => {
   const { asked, startAnew } = await endedOver('another');
-  const waiting = refusedOf(byHand.delete('/api/grants/g'));
+  const waiting = refusedOf(byHand.delete('/api/grants/{grant_id}', { path: { grant_id: 'g' } }));
   fireEvent.change(screen.getByLabelText('Password'), { target: { value: 'hers' } });
   await userEvent.click(screen.getByRole('button', { name: 'Sign in and continue' }));
   await waitFor(() => expect(startAnew).toHaveBeenCalled());
@@ -302,24 +304,24 @@ it('leads to the page of the sign-in when somebody leaves the form there', async
 
 it('refuses what waits for a sign-in when the frame goes or nobody is signed in, and asks again the next time', async () => {
   const first = await endedOver(THERAPIST.account_id);
-  const waiting = refusedOf(api.get('/api/caseload'));
-  act(() => void first.client.setQueryData(keys.me, null));
+  const waiting = refusedOf(api.get(address('/api/caseload')));
+  act(() => void first.client.setQueryData(key('me'), null));
   expect(await waiting).toBe(401);
   await waitFor(() => expect(first.router.state.location.pathname).toBe('/sign-in'));
-  expect(await refusedOf(api.get('/api/caseload'))).toBe(401);
+  expect(await refusedOf(api.get(address('/api/caseload')))).toBe(401);
   first.view.unmount();
 
   const second = await endedOver(THERAPIST.account_id);
-  const other = refusedOf(api.get('/api/caseload'));
+  const other = refusedOf(api.get(address('/api/caseload')));
   second.view.unmount();
   expect(await other).toBe(401);
-  expect(await refusedOf(api.get('/api/caseload'))).toBe(401);
+  expect(await refusedOf(api.get(address('/api/caseload')))).toBe(401);
 });
 
 it('leaves the question open when the page asks for something by itself, though nothing is unsaved any more', async () => {
   await endedOver(THERAPIST.account_id);
   act(() => releaseAll());
-  const poll = api.get('/api/caseload');
+  const poll = api.get(address('/api/caseload'));
   let isSettled = false;
   poll.finally(() => (isSettled = true)).catch(() => undefined);
   await new Promise((done) => setTimeout(done, 30));
@@ -332,9 +334,9 @@ it('leaves the question open when the page asks for something by itself, though 
 it('asks for the sign-in over a page only for what a person pressed', async () => {
   framed(() => Response.json(ENDED, { status: 401 }));
   act(() => releaseAll());
-  expect(await refusedOf(api.post('/api/sessions/s/ticket'))).toBe(401);
+  expect(await refusedOf(api.post('/api/sessions/{session_id}/close', ofSession('s')))).toBe(401);
   expect(screen.queryByRole('dialog')).toBeNull();
-  void refusedOf(byHand.post('/api/sessions/s/stop'));
+  void refusedOf(byHand.post('/api/sessions/{session_id}/stop', ofSession('s')));
   expect(await screen.findByRole('dialog', { name: 'Sign in again' })).toBeTruthy();
 });
 
@@ -349,7 +351,7 @@ it('leaves a form open that is a dialog itself, when Escape is pressed in the qu
     </MantineProvider>
   );
   const below = render(form('Below'));
-  void refusedOf(byHand.post('/api/patients'));
+  void refusedOf(byHand.post('/api/patients', { body: NOBODY }));
   const password = await screen.findByLabelText('Password');
   below.rerender(form('Below, drawn again'));
   fireEvent.keyDown(password, { key: 'Escape' });
@@ -392,6 +394,6 @@ it('sends a change once more only, and leaves the page to another account of ano
   const refused = framed((_, path) =>
     path === '/api/me' ? Response.json(THERAPIST) : Response.json(OLD_TOKEN, { status: 403 }),
   );
-  expect(await refusedOf(byHand.post('/api/patients'))).toBe(403);
+  expect(await refusedOf(byHand.post('/api/patients', { body: NOBODY }))).toBe(403);
   expect(refused.asked.filter((one) => one.startsWith('POST'))).toHaveLength(2);
 });

@@ -52,7 +52,7 @@ function person(signsIn: boolean) {
   return { asked, end };
 }
 
-const send = () => upload<{ id: string }>('/api/uploads', new FormData(), () => undefined);
+const send = () => upload('/api/uploads', {}, new FormData(), () => undefined);
 
 it('asks for the sign-in and sends the form again', async () => {
   setCsrfToken('old');

@@ -4,7 +4,7 @@ import { IconPlayerRecordFilled, IconPlayerStopFilled } from '@tabler/icons-reac
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
 import { byHand } from '../../../api/client';
-import { keys } from '../../../api/queries';
+import { key, ofSession } from '../../../api/address';
 import type { SessionDetail, SessionState, StateMessage } from '../../../api/types';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
@@ -106,8 +106,8 @@ export function GuidedWalk(props: GuidedWalkProps) {
   const client = useQueryClient();
   const now = useNow(props);
   const deed = useMutation({
-    mutationFn: (what: 'record' | 'stop') => byHand.post<unknown>(`/api/sessions/${session.id}/${what}`),
-    onSuccess: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
+    mutationFn: (what: 'record' | 'stop') => byHand.post(`/api/sessions/{session_id}/${what}`, ofSession(session.id)),
+    onSuccess: () => client.invalidateQueries({ queryKey: key('sessions', session.id) }),
   });
   const stored =
     session.recording_start_s !== null && session.recording_end_s !== null

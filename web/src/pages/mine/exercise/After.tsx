@@ -4,8 +4,9 @@ import { IconCheck } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState } from 'react';
 import { byHand } from '../../../api/client';
-import { keys, useAnswers, useProgress } from '../../../api/queries';
-import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
+import { key, ofSession } from '../../../api/address';
+import { useAnswers, useProgress } from '../../../api/queries';
+import type { AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
 import { t } from '../../../i18n';
 import { isSure } from '../../../lib/assessment/trend';
 import { mainMeasure, plainProgress } from '../../../lib/plain';
@@ -72,12 +73,11 @@ function TrueWord({ session, guidance }: { session: SessionDetail; guidance: Gui
 
 export default function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
   const client = useQueryClient();
-  const path = `/api/sessions/${session.id}/answers`;
   const stored = useAnswers(session.id);
   const [said, setSaid] = useState<AnswersIn>({});
   const send = useMutation({
-    mutationFn: () => byHand.put<Answers>(path, said),
-    onSuccess: (answers) => client.setQueryData(keys.answers(session.id), answers),
+    mutationFn: () => byHand.put('/api/sessions/{session_id}/answers', { ...ofSession(session.id), body: said }),
+    onSuccess: (answers) => client.setQueryData(key('sessions', session.id, 'answers'), answers),
   });
   const isHurt = hasHurt(session, guidance);
   const set = (name: Question) => (mark: number) => setSaid({ ...said, [name]: mark });

@@ -1,6 +1,7 @@
 // What holds an exercise up: the patient's own wish at once, whatever the network does, and what the service says.
 import { useMutation } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
+import { ofSession } from '../../../api/address';
 import { byHand } from '../../../api/client';
 import type { GuidanceMessage } from '../../../api/types';
 
@@ -44,7 +45,8 @@ const AGAIN_MS = 2000;
 export function useHold(sessionId: string, guidance: GuidanceMessage | null): Hold {
   const [wish, setWish] = useState<'person' | 'finish' | 'pain' | null>(null);
   const { mutate, isPending, isError, variables } = useMutation({
-    mutationFn: (command: Command) => byHand.post<GuidanceMessage>(`/api/sessions/${sessionId}/guidance`, { command }),
+    mutationFn: (command: Command) =>
+      byHand.post('/api/sessions/{session_id}/guidance', { ...ofSession(sessionId), body: { command } }),
     onSuccess: (_, command) => {
       if (command === 'resume') setWish(null);
     },

@@ -2,14 +2,8 @@
 import { Button, Group, NumberInput, Select, SimpleGrid, TextInput } from '@mantine/core';
 import { useMemo, useState, type FormEvent } from 'react';
 import { ApiError } from '../../../api/client';
-import {
-  useChangePrescription,
-  useExercises,
-  usePrescribe,
-  usePrescriptions,
-  useTemplates,
-  useTemplateVersion,
-} from '../../../api/queries';
+import { useChangePrescription, usePrescribe } from '../../../api/changes';
+import { useExercises, usePrescriptions, useTemplates, useTemplateVersion } from '../../../api/queries';
 import type { Patient, Prescription, TemplateVersionDetail } from '../../../api/types';
 import { DateField, isDateOrEmpty } from '../../../components/forms/DateField';
 import { useUnsaved } from '../../../components/forms/useUnsaved';

@@ -2,8 +2,9 @@ import { Button } from '@mantine/core';
 import { IconAntenna } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
 import { Link } from 'react-router';
+import { ofSession } from '../../../api/address';
 import { byHand, socketUrl } from '../../../api/client';
-import type { SessionDetail, Ticket } from '../../../api/types';
+import type { SessionDetail } from '../../../api/types';
 import { CopyBox } from '../../../components/CopyBox';
 import { Problem } from '../../../components/Feedback';
 import { useSignedIn } from '../../../components/account/useSignedIn';
@@ -15,7 +16,8 @@ import { placementList } from '../../../lib/channels';
 export function ConnectHelp({ session }: { session: SessionDetail }) {
   const me = useSignedIn();
   const ticket = useMutation({
-    mutationFn: () => byHand.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
+    mutationFn: () =>
+      byHand.post('/api/sessions/{session_id}/ticket', { ...ofSession(session.id), body: { purpose: 'ingest' } }),
   });
   const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
   const simulate = [

@@ -4,7 +4,7 @@ import { IconFlag, IconPlayerRecordFilled, IconPlayerStopFilled } from '@tabler/
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState, type FormEvent } from 'react';
 import { byHand } from '../../../api/client';
-import { keys } from '../../../api/queries';
+import { key, ofSession } from '../../../api/address';
 import type { SessionState } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
 import { Problem } from '../../../components/Feedback';
@@ -24,12 +24,13 @@ export interface LiveButtonsProps {
 export function LiveButtons({ sessionId, state, isRecording, isGuided = false }: LiveButtonsProps) {
   const client = useQueryClient();
   const deed = useMutation({
-    mutationFn: (what: Deed) => byHand.post<unknown>(`/api/sessions/${sessionId}/${what}`),
-    onSuccess: () => client.invalidateQueries({ queryKey: keys.session(sessionId) }),
+    mutationFn: (what: Deed) => byHand.post(`/api/sessions/{session_id}/${what}`, ofSession(sessionId)),
+    onSuccess: () => client.invalidateQueries({ queryKey: key('sessions', sessionId) }),
   });
   const [note, setNote] = useState('');
   const mark = useMutation({
-    mutationFn: (text: string) => byHand.post<unknown>(`/api/sessions/${sessionId}/mark`, { text }),
+    mutationFn: (text: string) =>
+      byHand.post('/api/sessions/{session_id}/mark', { ...ofSession(sessionId), body: { text } }),
     onSuccess: () => setNote(''),
   });
   const submitMark = (event: FormEvent) => {

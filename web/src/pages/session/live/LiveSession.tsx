@@ -2,7 +2,8 @@
 import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useParams } from 'react-router';
-import { keys, useExercises, usePatient, useSession } from '../../../api/queries';
+import { key } from '../../../api/address';
+import { useExercises, usePatient, useSession } from '../../../api/queries';
 import type { CalibrationMessage, SessionDetail, SessionEvent, SessionState } from '../../../api/types';
 import { Answer, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
@@ -108,13 +109,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   });
   useEffect(() => {
     if (state === 'closing' || state === 'analysed')
-      void client.invalidateQueries({ queryKey: keys.session(session.id) });
+      void client.invalidateQueries({ queryKey: key('sessions', session.id) });
   }, [state, client, session.id]);
 
   // After a loss what was read before may be of before.
   const isOpen = snapshot.connection === 'open';
   useEffect(() => {
-    if (isOpen) void client.invalidateQueries({ queryKey: keys.session(session.id) });
+    if (isOpen) void client.invalidateQueries({ queryKey: key('sessions', session.id) });
   }, [isOpen, client, session.id]);
 
   const isOver = state === 'closing' || state === 'analysed' || state === 'failed';

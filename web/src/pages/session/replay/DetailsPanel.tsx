@@ -1,7 +1,9 @@
 import { Button, Select } from '@mantine/core';
 import { IconDownload } from '@tabler/icons-react';
 import { useNavigate, useSearchParams } from 'react-router';
-import { useDeleteSession, useEstimators } from '../../../api/queries';
+import { address, ofSession } from '../../../api/address';
+import { useDeleteSession } from '../../../api/changes';
+import { useEstimators } from '../../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
 import { Problem } from '../../../components/Feedback';
@@ -103,7 +105,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
       <div className="details-foot">
         <Button
           component="a"
-          href={`/api/sessions/${session.id}/raw`}
+          href={address('/api/sessions/{session_id}/raw', ofSession(session.id))}
           download
           variant="default"
           leftSection={<IconDownload size={18} aria-hidden />}

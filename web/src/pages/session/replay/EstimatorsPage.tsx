@@ -3,9 +3,9 @@ import { Select } from '@mantine/core';
 import { useQueries } from '@tanstack/react-query';
 import { useMemo, useState } from 'react';
 import { useParams } from 'react-router';
-import { api, withQuery } from '../../../api/client';
-import { keys, useEstimators, usePatient, useSession } from '../../../api/queries';
-import type { Differences, Estimator, Result, SessionDetail } from '../../../api/types';
+import { ofSession } from '../../../api/address';
+import { question, useEstimators, usePatient, useSession } from '../../../api/queries';
+import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { LineChart } from '../../../charts/LineChart';
 import { Answer, Empty, Problem, Waiting } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
@@ -41,16 +41,10 @@ function Compared({
   const others = results.filter((one) => one.id !== referenceId);
   const asked = useQueries({
     queries: others.map((one) => ({
-      queryKey: keys.differences(session.id, one.id, referenceId),
-      queryFn: ({ signal }: { signal: AbortSignal }) =>
-        api.get<Differences>(
-          withQuery(`/api/sessions/${session.id}/results/differences`, {
-            result_a: one.id,
-            result_b: referenceId,
-            max_points: 800,
-          }),
-          signal,
-        ),
+      ...question('/api/sessions/{session_id}/results/differences', {
+        ...ofSession(session.id),
+        query: { result_a: one.id, result_b: referenceId, max_points: 800 },
+      }),
       staleTime: Infinity,
     })),
   });

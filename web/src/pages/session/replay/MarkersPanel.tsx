@@ -5,8 +5,9 @@ import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { upload } from '../../../api/client';
-import { keys, useJob, useMarkers } from '../../../api/queries';
-import type { Job, Markers, MarkerReport, MarkerUploadIn, Placement, SessionDetail } from '../../../api/types';
+import { address, key, ofSession } from '../../../api/address';
+import { useJob, useMarkers } from '../../../api/queries';
+import type { Markers, MarkerReport, MarkerUploadIn, Placement, SessionDetail } from '../../../api/types';
 import { LineChart } from '../../../charts/LineChart';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
@@ -27,9 +28,10 @@ function Form({ session }: { session: SessionDetail }) {
   const [up, setUp] = useState<(typeof UPS)[number]>('z');
   const [unit, setUnit] = useState<(typeof UNITS)[number]>('mm');
   const [rate, setRate] = useState<number | null>(null);
-  const refresh = () => client.invalidateQueries({ queryKey: keys.markers(session.id) });
+  const refresh = () => client.invalidateQueries({ queryKey: key('sessions', session.id, 'markers') });
   const send = useMutation({
-    mutationFn: (form: FormData) => upload<Job>(`/api/sessions/${session.id}/markers`, form, () => undefined),
+    mutationFn: (form: FormData) =>
+      upload('/api/sessions/{session_id}/markers', ofSession(session.id), form, () => undefined),
     onSuccess: refresh,
   });
   const job = useJob(send.data?.id ?? null, () => void refresh());
@@ -234,7 +236,10 @@ function Entry({ found }: { found: Markers }) {
       {found.report && (
         <Button
           component="a"
-          href={`/api/sessions/${found.session_id}/markers/motion?markers_id=${found.id}`}
+          href={address('/api/sessions/{session_id}/markers/motion', {
+            ...ofSession(found.session_id),
+            query: { markers_id: found.id },
+          })}
           download
           variant="default"
           leftSection={<IconDownload size={18} aria-hidden />}

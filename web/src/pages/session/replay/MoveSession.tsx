@@ -2,7 +2,8 @@
 import { Button, Modal, Select, Textarea } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { useState } from 'react';
-import { useExercises, useMoveSession, usePatients } from '../../../api/queries';
+import { useMoveSession } from '../../../api/changes';
+import { useExercises, usePatients } from '../../../api/queries';
 import type { SessionDetail } from '../../../api/types';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
@@ -11,7 +12,7 @@ import { fullName } from '../../../lib/people';
 function Form({ session, onDone }: { session: SessionDetail; onDone: () => void }) {
   const patients = usePatients();
   const exercises = useExercises();
-  const move = useMoveSession(session);
+  const move = useMoveSession(session.id);
   const [patientId, setPatientId] = useState<string>(session.patient_id);
   const [exerciseId, setExerciseId] = useState<string | null>(session.exercise_id);
   const [reason, setReason] = useState('');

@@ -3,7 +3,9 @@ import { Button, Group, NumberInput, Switch, TextInput } from '@mantine/core';
 import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
 import { Link } from 'react-router';
-import { keys, useJob, useReprocess, useReprocessAll, useSessionJobs } from '../../../api/queries';
+import { key } from '../../../api/address';
+import { useReprocess, useReprocessAll } from '../../../api/changes';
+import { useJob, useSessionJobs } from '../../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { RadioCards } from '../../../components/forms/Choice';
 import { Problem } from '../../../components/Feedback';
@@ -79,7 +81,7 @@ function RunAll({ session }: { session: SessionDetail }) {
   const done = own.filter((job) => job.status === 'complete' || job.status === 'failed').length;
   const isOver = all.data !== undefined && done === ids.size;
   useEffect(() => {
-    if (done > 0) void client.invalidateQueries({ queryKey: keys.session(session.id) });
+    if (done > 0) void client.invalidateQueries({ queryKey: key('sessions', session.id) });
   }, [client, done, session.id]);
   const running = own.find((job) => job.status === 'running') ?? own.find((job) => job.status === 'queued');
   return (
