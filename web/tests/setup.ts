@@ -29,15 +29,11 @@ const waitFor = vi.waitFor.bind(vi);
 vi.waitFor = (callback, options) => waitFor(callback, options ?? { timeout: PATIENCE_MS });
 
 // React says it and goes on, with parts of an earlier page left on the screen.
-const twice: unknown[] = [];
-const complain = console.error.bind(console);
-console.error = (...said: unknown[]) => {
-  if (String(said[0]).includes('two children with the same key')) twice.push(said[1]);
-  complain(...said);
-};
+const complaints = vi.spyOn(console, 'error');
 
 afterEach(() => {
   cleanup();
-  const keys = twice.splice(0);
-  if (keys.length) throw new Error(`two children with the same key: ${keys.join(', ')}`);
+  const keys = complaints.mock.calls.filter(([said]) => String(said).includes('two children with the same key'));
+  complaints.mockClear();
+  if (keys.length) throw new Error(`two children with the same key: ${keys.map(([, key]) => String(key)).join(', ')}`);
 });
