@@ -1,5 +1,5 @@
 import { cleanup, configure } from '@testing-library/react';
-import { afterEach, vi } from 'vitest';
+import { afterEach, beforeEach, expect, vi, type MockInstance } from 'vitest';
 import { speakWith } from '../src/i18n';
 import { words } from '../src/i18n/en';
 
@@ -29,11 +29,13 @@ const waitFor = vi.waitFor.bind(vi);
 vi.waitFor = (callback, options) => waitFor(callback, options ?? { timeout: PATIENCE_MS });
 
 // React says it and goes on, with parts of an earlier page left on the screen.
-const complaints = vi.spyOn(console, 'error');
+let complaints: MockInstance<typeof console.error>;
+beforeEach(() => {
+  complaints = vi.spyOn(console, 'error');
+});
 
 afterEach(() => {
   cleanup();
-  const keys = complaints.mock.calls.filter(([said]) => String(said).includes('two children with the same key'));
-  complaints.mockClear();
-  if (keys.length) throw new Error(`two children with the same key: ${keys.map(([, key]) => String(key)).join(', ')}`);
+  const said = complaints.mock.calls.map((one) => one.map(String).join(' '));
+  expect(said.filter((one) => one.includes('two children with the same key'))).toEqual([]);
 });
