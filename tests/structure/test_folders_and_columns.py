@@ -1,10 +1,6 @@
-"""Words that say the same thing in two ways stay out of the code, and folders and columns stay readable.
-
-What the field calls it is in `docs/words.md`; the lists here are what is left, each with its reason.
-"""
+"""Folders stay small enough to survey, and columns are read by their names."""
 
 import ast
-import re
 import subprocess
 from collections import Counter
 from pathlib import Path
@@ -12,16 +8,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-WORDS = re.compile(r"\b(told|kept|taken back|takes? back)\b", re.IGNORECASE)
-"""We say report, store or retain, withdraw or revoke."""
-WORD_LEFT = {
-    "app/assessment/comparisons.py": "a parameter of a stored sentence: rows of earlier sessions hold it",
-    "app/sentences/clinical.py": "the same, in its English words",
-    "app/sentences/german/accounts.py": "the same, in its German words",
-    "docs/words.md": "the table of what we do not say",
-    "docs/decisions/0006-signals-are-kept-in-rice-code.md": "the title of a decision, which others link to",
-    "docs/decisions/0011-live-frames-are-kept-at-25-hz.md": "the title of a decision, which others link to",
-}
 MOST_FILES = 15
 COLUMN = 4
 """An index from here on is a column that wants a name; below are axes, quaternions and rows of a rotation."""
@@ -50,15 +36,6 @@ def tracked(*patterns: str) -> list[str]:
 def check(found: set[str], excused: dict[str, str], what: str) -> None:
     assert not found - set(excused), f"{what}, or say in the list why not"
     assert not set(excused) - found, "excused, but clean by now or gone: take them off the list"
-
-
-def test_words_say_what_the_field_says() -> None:
-    code = tracked(
-        "app/*.py", "estimators/*.py", "validation/*.py", "web/src/*.ts", "web/src/*.tsx", "docs/*.md"
-    )
-    code = [path for path in code if not path.startswith("web/src/api/")]
-    found = {path for path in code if WORDS.search((ROOT / path).read_text(encoding="utf-8"))}
-    check(found, WORD_LEFT, "say stored, retained, reported or withdrawn")
 
 
 def test_folders_hold_what_a_reader_can_survey() -> None:
