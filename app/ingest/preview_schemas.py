@@ -11,7 +11,7 @@ _Axes = list[list[float | None]]
 
 
 class PreviewIn(Schema):
-    """The beginning of a text file whose format is to be guessed."""
+    """The beginning of a file whose format is to be guessed."""
 
     file_name: str = Field(max_length=200)
     """With its ending; may say the side of a foot."""
@@ -46,7 +46,7 @@ class SensorPreview(Spoken):
 
 
 class TablePreview(Spoken):
-    """What a text file seems to be, from its beginning; nothing of it was stored."""
+    """What a file seems to be, from its beginning; nothing of it was stored."""
 
     format: str
     """Of `UploadIn`."""

@@ -1,6 +1,5 @@
 """Trials of the BROAD benchmark (`.mat` or `.hdf5`): one sensor and optical truth, for single-sensor work."""
 
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,16 +104,11 @@ def _other(file: "h5py.File") -> Sentence:
 
 
 def _instead(start: bytes) -> Sentence | None:
-    """Return what an HDF5 is by its beginning, which may be all of it; None where it may be a trial."""
-    import h5py
-
-    try:
-        with h5py.File(BytesIO(start), "r") as file:
-            return None if _NAMES[0] in file else _other(file)
-    except (OSError, RuntimeError):
-        # Only its beginning: the names of the first groups stand in it.
-        is_of_sensors = any(name.encode() in start for name in _OF_APDM)
-    return say("file.hdf5_of_sensors") if is_of_sensors and _NAMES[0].encode() not in start else None
+    """Return what an HDF5 is instead of a trial, by the names in its first bytes: a damaged one is not opened."""
+    if _NAMES[0].encode() in start:
+        return None
+    is_of_sensors = any(name.encode() in start for name in _OF_APDM)
+    return say("file.hdf5_of_sensors" if is_of_sensors else "table.not_text")
 
 
 class BroadReader(Reader):

@@ -1,5 +1,6 @@
 """Our packet log: the hello and every packet as it came."""
 
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 from app.readers.contract import Reader, Source
@@ -29,7 +30,8 @@ class PacketLogReader(Reader):
 
     def announces(self, source: Source) -> tuple[tuple[str, ...], float]:
         """Return what its hello says."""
-        from app.readers.log import LogReader
+        from app.network.packet_log import read_head
+        from app.readers.log import declaration_of
 
-        declared = LogReader(source.path).declaration
+        declared = declaration_of(read_head(BytesIO(source.start)))
         return declared.placements, declared.rate_hz

@@ -9,7 +9,7 @@ from typing import Final, cast
 from app.errors import RecordingFormatError
 from app.readers.contract import TEXT, Source
 from app.readers.registry import reader_of, recognised
-from app.readers.tables.guess import Guess, PipelineName, guess_of_head
+from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
 from app.readers.tables.head import TableHead, head_of
 from app.readers.tables.tall import of_tall, tall_of
 from app.readers.tables.text import HEAD_BYTES
@@ -73,7 +73,8 @@ def preview_text(
     if not reader.endings & TEXT:
         if (other := reader.against(source)) is not None:
             raise RecordingFormatError(other)
-        return Preview(reader.name, cast(PipelineName, reader.pipeline) or pipeline or "orientation")
+        worn_for = pipeline or pipeline_for(list(reader.announces(source)[0]))
+        return Preview(reader.name, cast(PipelineName, reader.pipeline) or worn_for)
     head = head_of(start, later=later)
     if reader.pipeline:
         return Preview(reader.name, cast(PipelineName, reader.pipeline), head)

@@ -448,9 +448,32 @@ def test_a_trial_in_hdf5_with_another_ending_is_recognised_before_it_is_sent(tmp
         assert readers.preview_text(path.name, start).format == "broad"
 
 
-def test_a_packet_log_with_another_ending_is_recognised_before_it_is_sent() -> None:
-    found = readers.preview_text("session.bin", b"TML1" + bytes(range(256)), "arm")
-    assert (found.format, found.pipeline) == ("packet_log", "arm")
+def test_another_hdf5_is_no_trial_before_it_is_sent_nor_is_a_damaged_one_opened(tmp_path: Path) -> None:
+    path = tmp_path / "other.h5"
+    with h5py.File(path, "w") as file:
+        file["data"] = np.zeros((10, 3))
+    damaged = bytearray(path.read_bytes())
+    damaged[48] = 0x7F
+    for start in (path.read_bytes(), path.read_bytes()[:1500], bytes(damaged)):
+        with pytest.raises(RecordingFormatError) as refused:
+            readers.preview_text(path.name, start)
+        assert codes(refused.value.message) == ["table.not_text"]
+
+
+@pytest.mark.parametrize(
+    ("places", "pipeline"),
+    [
+        (["upper_arm_left", "forearm_left"], "arm"),
+        (["foot_left", "foot_right"], "gait"),
+        (["pelvis"], "arm"),
+    ],
+)
+def test_a_packet_log_with_another_ending_is_recognised_before_it_is_sent(places, pipeline) -> None:
+    head = log_head({"placements": places, "rate_hz": 100.0})
+    found = readers.preview_text("session.bin", head)
+    assert (found.format, found.pipeline) == ("packet_log", pipeline)
+    with pytest.raises(RecordingFormatError):
+        readers.preview_text("session.bin", head[:-4])
 
 
 @pytest.mark.parametrize(

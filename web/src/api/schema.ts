@@ -4948,7 +4948,7 @@ export interface components {
         };
         /**
          * PreviewIn
-         * @description The beginning of a text file whose format is to be guessed.
+         * @description The beginning of a file whose format is to be guessed.
          */
         PreviewIn: {
             /**
@@ -6008,7 +6008,7 @@ export interface components {
         };
         /**
          * TablePreview
-         * @description What a text file seems to be, from its beginning; nothing of it was stored.
+         * @description What a file seems to be, from its beginning; nothing of it was stored.
          */
         TablePreview: {
             /** Columns */
