@@ -85,7 +85,11 @@ def demonstrates(binaries: Path, home: Path) -> bool:
         seen = waited_for(demo, log, wanted)
     finally:
         demo.terminate()
-        demo.wait(timeout=60)
+        try:
+            demo.wait(timeout=60)
+        except subprocess.TimeoutExpired:
+            demo.kill()
+            demo.wait()
     # Numba stores what it compiles beside the source, or under the home.
     stored = [*binaries.parent.rglob("*.nbi"), *home.rglob("*.nbi")]
     compiled = [path for path in stored if "_compiled" not in path.parts]
