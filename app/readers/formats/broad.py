@@ -108,7 +108,7 @@ def _instead(start: bytes) -> Sentence | None:
     if _NAMES[0].encode() in start:
         return None
     is_of_sensors = any(name.encode() in start for name in _OF_APDM)
-    return say("file.hdf5_of_sensors" if is_of_sensors else "table.not_text")
+    return say("file.hdf5_of_sensors") if is_of_sensors else say("table.not_text")
 
 
 class BroadReader(Reader):
