@@ -86,8 +86,10 @@ def guess_of_head(
     if triples:
         no_device = {*signals_of, time.column, kinds.column if kinds else None}
         others = [column for column in head.columns if column not in no_device]
-        mine = [one.of_rows(triples[0].rows) for one in bodies]
-        of_first = [one for one in triples if (one.device, one.rows) == (triples[0].device, triples[0].rows)]
+        # Where kinds of rows take turns, those of the field may come first; a field shows no device by its jumps.
+        first = next((one for one in triples if one.quantity != "magnetometer"), triples[0])
+        mine = [one.of_rows(first.rows) for one in bodies]
+        of_first = [one for one in triples if (one.device, one.rows) == (first.device, first.rows)]
         measured = tuple(c for one in of_first if one.quantity != "magnetometer" for c in one.columns)
         is_told_apart = len({one.device for one in triples}) > 1
         turns = devices_of_pieces(mine, others, time.column, time.unit, measured, is_told_apart=is_told_apart)

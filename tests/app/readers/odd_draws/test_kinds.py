@@ -312,3 +312,21 @@ def test_a_clock_of_two_bytes_that_ran_over_its_end_in_a_hole(step, lost):
 def test_a_clock_of_two_bytes_that_was_started_again_begins_at_its_zero():
     again = 50.0 * np.concatenate([np.arange(1220, 1262), np.arange(100)])
     np.testing.assert_array_equal(gone_on(again), again)
+
+
+def test_rows_of_kinds_may_begin_with_those_of_the_field(tmp_path):
+    # A column of marks stands beside: whether it names devices was asked of the jumps of no signal at all.
+    field = numbers(FIELD_UT)
+    rows = in_turns(
+        *(
+            [[stamp, kind, *row, "0"] for stamp, row in zip(STAMPS[:N], values, strict=False)]
+            for kind, values in (
+                ("android.sensor.magnetic_field", field),
+                ("android.sensor.gyroscope", [row[:3] for row in ROWS]),
+                ("android.sensor.accelerometer", [row[3:] for row in ROWS]),
+            )
+        )
+    )
+    rows[30][-1] = "1"
+    found, _ = read(tmp_path, "time,sensor,x,y,z,button", rows)
+    is_as_measured(found.sensors["imu"], GYROSCOPE[:N])
