@@ -19,8 +19,8 @@ from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
 
 _OURS: Final = frozenset({__name__.partition(".")[0], "app", "validation"})
-_COMPILER: Final = "_units.py"
-"""It decides how everything is compiled."""
+_COMPILER: Final = ("_quicker.py", "_units.py")
+"""They decide how everything is compiled."""
 
 
 class _Own(NamedTuple):
@@ -44,6 +44,18 @@ def digest(function: Callable[..., Any], *options: object) -> bytes:
     return hashlib.sha256(b"".join([_basis(), repr(options).encode(), whole])).digest()
 
 
+def goes_into(function: Callable[..., Any]) -> set[Callable[..., Any]]:
+    """Return a kernel's function and all those of ours that it calls, and those that they call."""
+    found: set[Callable[..., Any]] = set()
+    left = [function]
+    while left:
+        one = left.pop()
+        if one not in found:
+            found.add(one)
+            left += _own(one).called
+    return found
+
+
 def _with_called(function: Any, done: dict[Any, bytes]) -> bytes:
     """Return the digest of a function and, in their order, of those that it calls."""
     if function not in done:
@@ -57,7 +69,8 @@ def _with_called(function: Any, done: dict[Any, bytes]) -> bytes:
 
 @functools.cache
 def _basis() -> bytes:
-    return hashlib.sha256(np.__version__.encode() + Path(__file__).with_name(_COMPILER).read_bytes()).digest()
+    sources = b"".join(Path(__file__).with_name(name).read_bytes() for name in _COMPILER)
+    return hashlib.sha256(np.__version__.encode() + sources).digest()
 
 
 @functools.lru_cache(maxsize=4096)

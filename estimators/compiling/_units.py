@@ -14,18 +14,38 @@ from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
+from estimators.compiling._quicker import quicker
+
 
 class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+    _whole: Any = None
+
     def finalize(self) -> None:
         """Leave linking, optimising and machine code to the entries that take it in."""
         self._finalized = True
+
+    def own_module(self) -> Any:
+        """Return what was lowered of this part, without what it calls."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the part with all that it calls: for a function that somebody else compiles."""
+        if self._whole is None:
+            own, *others = _callers_first([self])
+            self._whole = own.own_module().clone()
+            for one in others:
+                self._whole.link_in(_module(one), preserve=True)
+        return self._whole
 
 
 class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
     def finalize(self) -> None:
         """Link each part once, those of its parts as well; then optimise and emit."""
-        linked: list[CPUCodeLibrary] = self._linking_libraries  # type: ignore[has-type]
-        self._linking_libraries = _callers_first(linked)
+        linked: list[CPUCodeLibrary] = self._linking_libraries
+        for one in _callers_first(linked):
+            self._reload_init.update(one._reload_init)
+            self._final_module.link_in(_module(one), preserve=True)
+        self._linking_libraries: list[CPUCodeLibrary] = []
         super().finalize()
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
@@ -34,6 +54,10 @@ class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
         names = [one.name for one in self._final_module.functions if not one.is_declaration]
         text = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in names)
         return self.name, "object", (self._get_compiled_object(), llvm.parse_assembly(text).as_bitcode())
+
+
+def _module(library: CPUCodeLibrary) -> Any:
+    return library.own_module() if isinstance(library, _PartLibrary) else library._get_module_for_linking()
 
 
 def _callers_first(libraries: list[CPUCodeLibrary]) -> list[CPUCodeLibrary]:
@@ -64,10 +88,19 @@ class _UnitCompiler(Compiler):  # type: ignore[misc]
         return super().compile_extra(func)
 
 
+def _part(function: Callable[..., Any], options: dict[str, Any]) -> "Part":
+    return Part(function, options, None)
+
+
 class EntryCompiler(_UnitCompiler):
     """Compiles what Python calls, or a kernel calls by its address."""
 
     library = _EntryLibrary
+
+    def compile_extra(self, func: Callable[..., Any]) -> Any:
+        """Compile; what it calls and numba's own helpers are parts."""
+        with quicker(_PartLibrary, _part):
+            return super().compile_extra(func)
 
 
 class _PartCompiler(_UnitCompiler):

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 import pytest
 
 from estimators.compiling import Kernel, NotCompiled, _kernel, _units, compiled, only_cached
@@ -87,6 +88,39 @@ def test_a_step_that_several_parts_call_is_linked_wherever_it_is_called():
         return first(x) + second(x) + whole(x)
 
     assert outer(2.5) == 2.5 + 4.5 + 2.0
+
+
+def test_code_of_others_is_compiled_as_ever_beside_kernels():
+    """What numba made for a kernel, its own helpers among it, is taken in by a function of somebody else as well."""
+    inner = fresh()
+
+    @compiled("float64[::1](int64)")
+    def filled(count: int) -> Any:
+        found = np.zeros(count)
+        found[:] = np.arange(count)
+        return np.linalg.solve(np.eye(count), found) + inner(1.0)
+
+    assert filled(3).tolist() == [2.0, 3.0, 4.0]
+
+    @numba.njit
+    def theirs(count: int) -> Any:
+        found = np.zeros(count)
+        found[:] = np.arange(count)
+        return np.linalg.solve(np.eye(count), found) + inner(1.0) + filled(count)
+
+    assert theirs(3).tolist() == [4.0, 6.0, 8.0]
+
+
+def test_a_slice_of_another_length_is_refused():
+    @compiled("float64[::1](float64[::1])")
+    def written(values: Any) -> Any:
+        found = np.zeros(3)
+        found[:] = values
+        return found
+
+    assert written(np.ones(3)).tolist() == [1.0, 1.0, 1.0]
+    with pytest.raises(ValueError, match="cannot assign slice from input of different size"):
+        written(np.ones(4))
 
 
 def test_only_entries_are_made_ready_beforehand():
