@@ -5,13 +5,13 @@ implementations of `+` fits two numbers, whether two sets of flags are equal, wh
 answers are kept or found sooner. Besides, numba emits machine code for each of its own helpers (`np.empty`, slices),
 which nothing calls once a kernel has taken them in: here they are parts as well.
 
-It holds in `quicker()` only, under numba's own lock: what others compile in this process is compiled as ever.
+It holds in `quicker()` only, under numba's own lock: what others compile in this process is compiled as ever. It
+stands on what numba keeps to itself: `_units.py` knows for which version.
 """
 
 import contextlib
 from collections.abc import Callable, Iterator
 from typing import Any, Final
-from unittest.mock import patch
 
 from numba.core import ir, targetconfig
 from numba.core.codegen import JITCPUCodegen
@@ -105,15 +105,20 @@ def quicker(part_library: Any, part: Callable[[Any, dict[str, Any]], Any]) -> It
     def jit(_template: Any) -> Callable[..., Any]:
         return lambda **options: lambda function: part(function, options)
 
-    with contextlib.ExitStack() as stack:
-        for owner, name, ours in (
-            (BaseFunction, "get_call_type", _remembered_call_type),
-            (targetconfig.TargetConfig, "__eq__", _are_equal),
-            (targetconfig.TargetConfig, "__hash__", _hash_of_flags),
-            (ir.Inst, "_rec_list_vars", _variables),
-            (arrayobj, "raise_with_shape_context", _shapes_differ),
-            (JITCPUCodegen, "_library_class", part_library),
-            (_OverloadFunctionTemplate, "_get_jit_decorator", jit),
-        ):
-            stack.enter_context(patch.object(owner, name, ours))
+    ways = (
+        (BaseFunction, "get_call_type", _remembered_call_type),
+        (targetconfig.TargetConfig, "__eq__", _are_equal),
+        (targetconfig.TargetConfig, "__hash__", _hash_of_flags),
+        (ir.Inst, "_rec_list_vars", _variables),
+        (arrayobj, "raise_with_shape_context", _shapes_differ),
+        (JITCPUCodegen, "_library_class", part_library),
+        (_OverloadFunctionTemplate, "_get_jit_decorator", jit),
+    )
+    before = [getattr(owner, name) for owner, name, _ in ways]
+    try:
+        for owner, name, ours in ways:
+            setattr(owner, name, ours)
         yield
+    finally:
+        for (owner, name, _), theirs in zip(ways, before, strict=True):
+            setattr(owner, name, theirs)

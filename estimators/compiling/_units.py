@@ -5,16 +5,19 @@ calls are nested. Here what a kernel calls is lowered only. The kernel that Pyth
 and is optimised and emitted once.
 """
 
+import contextlib
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import llvmlite.binding as llvm
+import numba
 from numba.core import sigutils
 from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
-from estimators.compiling._quicker import quicker
+TRIED_NUMBA: Final = "0.68"
+"""Shorter ways through numba stand on what it keeps to itself: with another version its own ways are taken."""
 
 
 class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -88,8 +91,14 @@ class _UnitCompiler(Compiler):  # type: ignore[misc]
         return super().compile_extra(func)
 
 
-def _part(function: Callable[..., Any], options: dict[str, Any]) -> "Part":
-    return Part(function, options, None)
+def _ways() -> contextlib.AbstractContextManager[None]:
+    """Return the ways through numba in which kernels are compiled."""
+    if not numba.__version__.startswith(f"{TRIED_NUMBA}."):
+        return contextlib.nullcontext()
+    # What only compiling needs.
+    from estimators.compiling._quicker import quicker
+
+    return quicker(_PartLibrary, lambda function, options: Part(function, options, None))
 
 
 class EntryCompiler(_UnitCompiler):
@@ -99,7 +108,7 @@ class EntryCompiler(_UnitCompiler):
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
         """Compile; what it calls and numba's own helpers are parts."""
-        with quicker(_PartLibrary, _part):
+        with _ways():
             return super().compile_extra(func)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from numba.core import codegen
 
 from estimators.compiling import Kernel, NotCompiled, _kernel, _units, compiled, only_cached
 
@@ -109,6 +110,27 @@ def test_code_of_others_is_compiled_as_ever_beside_kernels():
         return np.linalg.solve(np.eye(count), found) + inner(1.0) + filled(count)
 
     assert theirs(3).tolist() == [4.0, 6.0, 8.0]
+
+
+def test_the_shorter_ways_were_tried_with_this_numba():
+    """Else compiling takes half as long again, and nothing would say it: try them with the new one, then name it."""
+    assert numba.__version__.startswith(f"{_units.TRIED_NUMBA}.")
+
+
+def test_with_another_numba_its_own_ways_are_taken(monkeypatch):
+    monkeypatch.setattr(_units, "TRIED_NUMBA", "0.1")
+    assert fresh()(2.0) == 4.0
+
+
+def test_numba_is_as_it_was_after_a_kernel_that_cannot_be_compiled():
+    @compiled("float64(float64)")
+    def wrong(x: float) -> float:
+        return x.no_such_thing  # type: ignore[attr-defined]
+
+    before = codegen.JITCPUCodegen._library_class
+    with pytest.raises(numba.TypingError):
+        wrong(1.0)
+    assert codegen.JITCPUCodegen._library_class is before
 
 
 def test_a_slice_of_another_length_is_refused():
