@@ -60,8 +60,8 @@ from app.live.endpoints import router as live_router
 from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
+from app.live.service import LiveService, SteeredLiveService
 from app.live.session.opening import Place
-from app.live.side import LiveSide, SteeredSide
 from app.live.watch_socket import router as watch_router
 from app.live.wrong_tickets import WrongTickets
 from app.observation import observe
@@ -212,7 +212,7 @@ async def open_services(
     )
     await live.start()
     stack.push_async_callback(live.stop)
-    services.add(live, LiveSide, SteeredSide)
+    services.add(live, LiveService, SteeredLiveService)
     jobs.subscribe(lambda done: live.task_done(done.session_id))
 
     await open_viewer(services, stack)

@@ -23,7 +23,7 @@ from app.edge.readiness import Check, Readiness, storing_checks
 from app.edge.registry import Registry
 from app.errors import TelemotionError
 from app.live.bus import MemoryBus
-from app.live.side import LiveSide, SteeredSide
+from app.live.service import LiveService, SteeredLiveService
 from app.live.warmup import Readiness as Warmth
 from app.live.warmup import prepare_process
 from app.main import create_app, job_handlers, open_foundation, prepare_processes
@@ -34,13 +34,13 @@ from app.scaled import fencing
 from app.scaled.broker import Broker, connect, user_of
 from app.scaled.edge.feed import FeedBus
 from app.scaled.edge.forwarding import forwarding_router
-from app.scaled.edge.side import EdgeSide
+from app.scaled.edge.service import EdgeLiveService
 from app.scaled.fencing import holders
 from app.scaled.mqtt.callout import callout_of
-from app.scaled.mqtt.door import open_door
+from app.scaled.mqtt.listener import open_listener
 from app.scaled.wire import Answer, Request, partition_of, subject
-from app.scaled.worker.holder import Worker
 from app.scaled.worker.sessions import OfWorker
+from app.scaled.worker.worker import Worker
 from app.services import Services
 from app.settings import Settings
 from app.viewer import open_viewer
@@ -83,7 +83,7 @@ async def open_edge(
     # Never started: workers look at the queue by themselves.
     services.add(JobRunner(services.engine, settings, job_handlers()))
     hours = settings.implant_confirmation_hours
-    side = services.add(EdgeSide(services.engine, broker, feed, services.limits, hours), LiveSide)
+    side = services.add(EdgeLiveService(services.engine, broker, feed, services.limits, hours), LiveService)
     stack.push_async_callback(side.stop)
     measured: dict[str, tuple[str, Callable[[], float]]] = {
         "gateways": ("Gateways connected.", lambda: side.session_count)
@@ -91,10 +91,10 @@ async def open_edge(
     await open_viewer(services, stack)
     await _watch_readiness(services, stack, lock)
     if settings.mqtt:
-        door = open_door(settings, broker, side)
-        await door.start()
-        stack.push_async_callback(door.stop)
-        measured["mqtt_gateways"] = ("Of them by MQTT.", lambda: door.count)
+        listener = open_listener(settings, broker, side)
+        await listener.start()
+        stack.push_async_callback(listener.stop)
+        measured["mqtt_gateways"] = ("Of them by MQTT.", lambda: listener.count)
     services.add(observe_part(services, measured))
     return services
 
@@ -152,7 +152,9 @@ class _WorkerOpening:
             shared.admission.run(shared.pooled.take_longest_s), name="live admission"
         )
         stack.callback(measuring.cancel)
-        worker = services.add(Worker(broker, services.engine, shared, self._name), LiveSide, SteeredSide)
+        worker = services.add(
+            Worker(broker, services.engine, shared, self._name), LiveService, SteeredLiveService
+        )
         services.add(worker.bus, MemoryBus)
         if settings.mqtt:
             callout = callout_of(settings, services.engine, broker)

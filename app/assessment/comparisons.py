@@ -11,7 +11,7 @@ from app.assessment import repository
 from app.assessment.course.bands import beside_other_side
 from app.assessment.design.compiled import (
     design_of,
-    drawn_template,
+    effective_template,
     mirrored_weights,
     tolerance_scale_of,
 )
@@ -192,7 +192,7 @@ def _compute(
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
     patient = session.get_one(Patient, found.patient_id)
     source = load_source(session, found, result)
-    template = drawn_template(version, scale=scale)
+    template = effective_template(version, scale=scale)
     side = source.acting_side(
         template.side if exercise is None else exercise.side, patient.affected_side, template.side
     )
@@ -269,7 +269,9 @@ def detail(session: Session, subject: Subject, comparison_id: str) -> Comparison
     found, template_row, version = repository.get_comparison(session, subject, comparison_id)
     compared = comparison_from_bytes(found.content)
     session_row = session.get_one(MotionSession, found.session_id)
-    template = drawn_template(version, scale=tolerance_scale_of(session, session_row, version.template_id))
+    template = effective_template(
+        version, scale=tolerance_scale_of(session, session_row, version.template_id)
+    )
     weights = design_of(version).weights
     if template.channels != compared.channels:
         template, weights = mirror_template(template), mirrored_weights(weights)

@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import Clinic
 from app.accounts.subject import Subject
-from app.assessment.design.compiled import design_of, drawn_template
+from app.assessment.design.compiled import design_of, effective_template
 from app.assessment.design.day import valid_of_the_day
 from app.assessment.design.dose import dose_of
 from app.assessment.design.limits import Reached, resting_pose, troubles_of
@@ -374,7 +374,7 @@ def _troubles(session: Session, row: Prescription) -> list[str]:
     if not of_template and not row.stops:
         return []
     try:
-        drawn = drawn_template(version)
+        drawn = effective_template(version)
     except EstimationError:
         # It says so itself where it is shown.
         return []

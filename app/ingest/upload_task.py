@@ -102,7 +102,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         pipeline = pipeline_of(declaration, recording.placements)
         kind = kinds()[pipeline]
         with unit_of_work(context.engine) as session:
-            recording = kind.put_aside(session, context.session_id, recording)
+            recording = kind.store_auxiliary(session, context.session_id, recording)
         prepared = readers.packets_of(recording, any_name=not kind.pipeline.is_worn)
         network = prepared.declaration
         total = prepared.tick_count

@@ -15,7 +15,7 @@ from app.live.calibration.messages import CalibrationIn
 from app.live.guidance.endpoints import router as guidance_router
 from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
-from app.live.side import SteeredSide
+from app.live.service import SteeredLiveService
 from app.recordings.schemas import MarkIn
 from app.sentences import say
 from app.services import services_of
@@ -102,7 +102,7 @@ async def withdraw_safety(session_id: str, request: Request, subject: CurrentSub
     """
     services = services_of(request)
     hours = services.settings.implant_confirmation_hours
-    live: SteeredSide = services.get(SteeredSide)
+    live: SteeredLiveService = services.get(SteeredLiveService)
     try:
         return await asyncio.to_thread(
             repository.withdraw_safety, services.engine, subject, session_id, hours
@@ -117,20 +117,20 @@ async def state(session_id: str, request: Request, subject: CurrentSubject) -> S
     """Get the state of a session, live or not."""
     services = services_of(request)
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "status")
-    live: SteeredSide = services.get(SteeredSide)
+    live: SteeredLiveService = services.get(SteeredLiveService)
     return await live.state(session_id)
 
 
 Action = Literal["calibrate", "record", "stop", "mark", "close", "reopen"]
 
 
-async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> SteeredSide:
+async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> SteeredLiveService:
     """Return the live side after the access check, with the action in the audit trail."""
     services = services_of(request)
     await asyncio.to_thread(
         repository.authorise, services.engine, subject, session_id, "record", f"session.{action}"
     )
-    live: SteeredSide = services.get(SteeredSide)
+    live: SteeredLiveService = services.get(SteeredLiveService)
     return live
 
 

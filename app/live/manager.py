@@ -18,12 +18,13 @@ from app.live.admission import FULL, crowd
 from app.live.bus import Bus, topic
 from app.live.engine.lane import Lane
 from app.live.engine.shared import Shared
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.guidance.opening import is_to_be_guided
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
-from app.live.rights.patience import Patience
-from app.live.rights.questions import RightQuestion
+from app.live.rights.authorization_checks import AuthorizationCheck
+from app.live.rights.grace_period import GracePeriod
+from app.live.service import SteeredLiveService
 from app.live.session.intake import Intake
 from app.live.session.marks import Marks, all_stored
 from app.live.session.opening import ANYWHERE, Opener, Place, check_network
@@ -32,7 +33,6 @@ from app.live.session.saver import until_written
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
 from app.live.session.streamed import Streamed
-from app.live.side import SteeredSide
 from app.live.warmup import COMING_BACK_S, PREPARING, prepare_process
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
@@ -50,7 +50,7 @@ ENDINGS: Final = 2
 """Sessions that end at the same time; more would hold the interpreter and the database against those that stream."""
 
 
-class LiveManager(SteeredSide):
+class LiveManager(SteeredLiveService):
     """Finds, opens, watches and closes live sessions.
 
     Parameters
@@ -206,8 +206,8 @@ class LiveManager(SteeredSide):
             repository.open_by_ticket, self.engine, hello.ticket, self._confirmation_hours
         )
         session = await self.join(stored, declaration, subject)
-        right = RightQuestion(subject, stored.id, "record")
-        intake = self.attach(session, partial(self._check_gateway, session, right, Patience()))
+        right = AuthorizationCheck(subject, stored.id, "record")
+        intake = self.attach(session, partial(self._check_gateway, session, right, GracePeriod()))
         session.connected()
         self.announce(session)
         return intake
@@ -332,7 +332,7 @@ class LiveManager(SteeredSide):
             raise Conflict(say("live.not_connected"))
         return session
 
-    def guidance(self, session_id: str) -> GuidanceDesk:
+    def guidance(self, session_id: str) -> GuidanceController:
         """Return the guidance of a live session.
 
         Raises
@@ -461,7 +461,9 @@ class LiveManager(SteeredSide):
         """Return the state of a session that is not live here."""
         return stored_state(stored, self._sent_away.get(stored.id))
 
-    async def _check_gateway(self, session: LiveSession, right: RightQuestion, patience: Patience) -> None:
+    async def _check_gateway(
+        self, session: LiveSession, right: AuthorizationCheck, patience: GracePeriod
+    ) -> None:
         """Raise when a gateway has lost its right; stop its source when nobody answers for it any more."""
         await patience.wait(self.check_right(right))
         if session.actuation is not None:

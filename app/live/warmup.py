@@ -29,7 +29,7 @@ from app.recordings.signals.frame_kernel import pack_frames, unpack_frames
 from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
-from estimators.guidance.live import Following
+from estimators.guidance.live import GuidanceRunner
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
 from estimators.pipelines.arm.pool import APART, CALLED
@@ -72,7 +72,7 @@ def warm_up(kind: Kind) -> None:
     A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
     if kind == GUIDANCE:
-        Following.prepare()
+        GuidanceRunner.prepare()
         return
     # The general way needs them, too.
     of_packets = (unmask, unpack)

@@ -24,9 +24,9 @@ from app.live import repository
 from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.checks.pulse import Pulse
-from app.live.rights.patience import Patience
-from app.live.rights.questions import RightQuestion, still_allowed
-from app.live.side import LiveSide
+from app.live.rights.authorization_checks import AuthorizationCheck, still_allowed
+from app.live.rights.grace_period import GracePeriod
+from app.live.service import LiveService
 from app.live.wrong_tickets import WrongTickets
 from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
@@ -59,12 +59,12 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
             with services.limits.take("sockets", right.subject):
                 await asyncio.to_thread(still_allowed, services.engine, right)
                 stored = await asyncio.to_thread(repository.load, services.engine, session_id)
-                await _serve(websocket, services.get(LiveSide), stored, right)
+                await _serve(websocket, services.get(LiveService), stored, right)
         except TelemotionError as error:
             await _end(websocket, error)
 
 
-async def _who(websocket: WebSocket, services: Services, session_id: str) -> RightQuestion:
+async def _who(websocket: WebSocket, services: Services, session_id: str) -> AuthorizationCheck:
     """Return the question that decides, now and again later, whether this client may watch."""
     engine = services.engine
     if shown_cookie(services.settings, websocket, COOKIE) or shown_token(websocket)[1]:
@@ -75,7 +75,7 @@ async def _who(websocket: WebSocket, services: Services, session_id: str) -> Rig
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
     # A socket's Origin, which `current_subject` looks at too, stays what it was.
-    return RightQuestion(subject, stored.id, "read", services.settings)
+    return AuthorizationCheck(subject, stored.id, "read", services.settings)
 
 
 async def _subject_of_ticket(websocket: WebSocket, services: Services, session_id: str) -> Subject:
@@ -93,7 +93,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
 
 
 async def _serve(
-    websocket: WebSocket, live: LiveSide, stored: repository.StoredSession, right: RightQuestion
+    websocket: WebSocket, live: LiveService, stored: repository.StoredSession, right: AuthorizationCheck
 ) -> None:
     names = ("layout", "state", "health", "event", "calibration", "guidance")
     blocks = topic(stored.id, "blocks")
@@ -158,10 +158,10 @@ async def _receive(websocket: WebSocket) -> None:
         pass
 
 
-async def _keep_checking(live: LiveSide, right: RightQuestion) -> None:
+async def _keep_checking(live: LiveService, right: AuthorizationCheck) -> None:
     # Sockets that were opened together must not all be checked at the same moment.
     await asyncio.sleep(random.uniform(0.0, live.check_every_s))  # noqa: S311
-    patience = Patience()
+    patience = GracePeriod()
     while True:
         await patience.wait(live.check_right(right))
         await asyncio.sleep(live.check_every_s)

@@ -88,7 +88,7 @@ def test_a_session_that_loses_its_link_and_a_socket_are_told(therapist, world, s
         receive_until(socket, lambda message: message["type"] == "acknowledge")
     deadline = threading.Event()
     for _ in range(200):
-        if said(lines(), "app.live.session.book", f"session {session_id} is link_lost"):
+        if said(lines(), "app.live.session.session_log", f"session {session_id} is link_lost"):
             break
         deadline.wait(0.05)
     else:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from estimators.guidance import Guide
-from estimators.guidance.live import Following, Picking
+from estimators.guidance.live import ChannelSelector, GuidanceRunner
 from estimators.pipelines import Frames
 from validation.guidance.sessions import STEP_S, streamed
 from validation.protocol import Data, Figure, Protocol, Values
@@ -40,10 +40,10 @@ def _measure(seeds: Sequence[int], data: Data) -> Values:
             frames.ticks(start, start + _PACKET)
             for start in range(0, frames.tick_count - _PACKET + 1, _PACKET)
         ]
-        values, sigma = Picking(ready).pick(frames)
+        values, sigma = ChannelSelector(ready).pick(frames)
 
         def follow() -> None:
-            following = Following(ready, STEP_S)  # noqa: B023 - called within the round
+            following = GuidanceRunner(ready, STEP_S)  # noqa: B023 - called within the round
             for packet in packets:  # noqa: B023
                 following.feed(packet)
 

@@ -1,6 +1,6 @@
 """From a stored version of a template to the one band and the one set of rules that everybody uses.
 
-`drawn_template` is for whoever compares, draws or prints: a `Template` with its phases, band and what counts.
+`effective_template` is for whoever compares, draws or prints: a `Template` with its phases, band and what counts.
 `guidance_of` is for whoever guides live: the same template made ready for a patient, with cue rules and stop rules.
 Nobody else reads `TemplateVersion.design`.
 """
@@ -75,7 +75,7 @@ def design_of(version: TemplateVersion) -> TemplateDesign:
     return TemplateDesign.model_validate(version.design or {})
 
 
-def drawn_template(version: TemplateVersion, side: str | None = None, scale: float = 1.0) -> Template:
+def effective_template(version: TemplateVersion, side: str | None = None, scale: float = 1.0) -> Template:
     """Return a version's template with the band that everybody judges by.
 
     Parameters
@@ -112,7 +112,7 @@ def guidance_of(
     reach_m : float
         The patient's upper arm plus forearm.
     scale : float
-        Of the prescription, as for `drawn_template`.
+        Of the prescription, as for `effective_template`.
     more_stops : sequence of StopDesign
         Of the prescription, named for the patient's side; they come before those of the template.
     posture : {"standing", "seated"}
@@ -123,7 +123,7 @@ def guidance_of(
     SetupError
         If the template does not move enough to be followed.
     """
-    design, template = design_of(version), drawn_template(version, side, scale)
+    design, template = design_of(version), effective_template(version, side, scale)
     ready = prepare_template(template, side, reach_m)
     mirrored = template_from_bytes(version.content).side != side
     rules, stops = cue_rules(design, ready), stop_rules(design.stops)

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import practice
 from app.assessment import repository as templates
-from app.assessment.design.compiled import drawn_template
+from app.assessment.design.compiled import effective_template
 from app.assessment.design.limits import Reached, check_band, check_stops, resting_pose
 from app.assessment.design.shown import reached_of
 from app.errors import InvalidInput
@@ -62,7 +62,7 @@ def _check(session: Session, subject: Subject, one: Prescription, *, is_band_new
     if version is None:
         return
     try:
-        drawn = drawn_template(version, scale=one.tolerance_scale)
+        drawn = effective_template(version, scale=one.tolerance_scale)
     except EstimationError:
         # A template that cannot be read guides nobody, and says so itself.
         return

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
-from app.assessment.design.compiled import design_of, drawn_template
+from app.assessment.design.compiled import design_of, effective_template
 from app.assessment.design.limits import Reached, resting_pose, troubles_of
 from app.assessment.design.rules import side_of, whole_design
 from app.assessment.design.weighted import offered_measures
@@ -70,7 +70,7 @@ def detail_of(
     session: Session, subject: Subject, template: TemplateRow, version: TemplateVersion
 ) -> TemplateVersionDetail:
     """Return the same for a version that the subject was found to have access to."""
-    stored = drawn_template(version)
+    stored = effective_template(version)
     repetitions = _repetitions_of(version)
     curves = _repetition_curves(session, subject, version, stored, repetitions)
     content = TemplateContent(

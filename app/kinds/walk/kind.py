@@ -44,7 +44,7 @@ class WalkKind(SessionKind):
         """Take each stride as a repetition."""
         return walk_source(session, found, result)
 
-    def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
+    def store_auxiliary(self, session: Session, session_id: str, recording: Recording) -> Recording:
         """Store the load cells of instrumented shoes; the feet remain."""
         if not pipelines.has_shoes(recording):
             return recording

@@ -7,14 +7,14 @@ from functools import partial
 
 from app.errors import Conflict
 from app.live import repository
-from app.live.calibration.calibrating import CalibrationDesk
+from app.live.calibration.calibrating import CalibrationController
 from app.live.calibration.collectors import Outcome
 from app.live.calibration.device_rows import save_device_calibrations
 from app.live.calibration.messages import CalibrationIn, CalibrationKind, CalibrationMessage
 from app.live.checks.worn_watch import WornWatch
 from app.live.messages import LayoutMessage
-from app.live.session.book import SessionBook
 from app.live.session.estimation import EstimationLine
+from app.live.session.session_log import SessionLog
 from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
 from app.sentences import CATALOGUE, say
@@ -22,7 +22,7 @@ from estimators.calibration import JUDGED, Calibration, Hemisphere
 from estimators.pipelines import ArmPipeline, Frames, Pipeline
 
 
-class CalibratedSession(SessionBook):
+class CalibratedSession(SessionLog):
     """A session with a pipeline that can be calibrated while it streams."""
 
     line: EstimationLine
@@ -46,8 +46,8 @@ class CalibratedSession(SessionBook):
         """Return the columns of the frames."""
 
     def prepare_calibration(self, hemisphere: Hemisphere) -> None:
-        """Make the desk; once, when pipeline and line are there."""
-        self._calibration = CalibrationDesk(
+        """Make the controller; once, when pipeline and line are there."""
+        self._calibration = CalibrationController(
             self.declaration.placements,
             self.declaration.time_step_s,
             self.line,

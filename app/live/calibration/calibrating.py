@@ -46,7 +46,7 @@ COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
 }
 
 
-class CalibrationDesk:
+class CalibrationController:
     """Runs one guided calibration at a time.
 
     Parameters

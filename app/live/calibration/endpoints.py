@@ -9,8 +9,8 @@ from app.accounts.subject import Subject
 from app.live import repository
 from app.live.calibration.guides import GUIDES
 from app.live.calibration.messages import CalibrationGuide, CalibrationIn, CalibrationMessage
+from app.live.service import SteeredLiveService
 from app.live.session.runner import LiveSession
-from app.live.side import SteeredSide
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["calibration"])
@@ -57,7 +57,7 @@ async def get_calibration(
     """Return how far the present or last guided calibration of a live session is; null before the first."""
     services = services_of(request)
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "read")
-    session: LiveSession = services.get(SteeredSide).live(session_id)
+    session: LiveSession = services.get(SteeredLiveService).live(session_id)
     return session.calibration_message
 
 
@@ -72,5 +72,5 @@ async def _session(request: Request, subject: Subject, session_id: str, action: 
         "record",
         None if action is None else f"session.{action}",
     )
-    found: LiveSession = services.get(SteeredSide).live(session_id)
+    found: LiveSession = services.get(SteeredLiveService).live(session_id)
     return found

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from app.accounts.dependencies import CurrentSubject
 from app.live import repository
 from app.live.guidance.messages import GuidanceCommandIn, GuidanceMessage
-from app.live.side import SteeredSide
+from app.live.service import SteeredLiveService
 from app.services import services_of
 
 router = APIRouter(prefix="/api/sessions", tags=["live"])
@@ -30,7 +30,7 @@ async def command_guidance(
         "record",
         f"session.{body.command}_exercise",
     )
-    live: SteeredSide = services.get(SteeredSide)
+    live: SteeredLiveService = services.get(SteeredLiveService)
     return live.guidance(session_id).obey(body.command)
 
 
@@ -39,5 +39,5 @@ async def get_guidance(session_id: str, request: Request, subject: CurrentSubjec
     """Return how the guidance of a live session stands."""
     services = services_of(request)
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "read")
-    live: SteeredSide = services.get(SteeredSide)
+    live: SteeredLiveService = services.get(SteeredLiveService)
     return live.guidance(session_id).message

@@ -8,11 +8,11 @@ from sqlalchemy import Engine
 
 from app.assessment.design.prescribed import NotGuided
 from app.live.bus import Bus, topic
-from app.live.guidance.desk import GuidanceDesk
-from app.live.guidance.taken_up import read_guidance, taken_up
+from app.live.guidance.controller import GuidanceController
+from app.live.guidance.resume_state import read_guidance, taken_up
 from app.sentences import say
 from estimators.errors import EstimationError
-from estimators.guidance.live import Following
+from estimators.guidance.live import GuidanceRunner
 
 if TYPE_CHECKING:
     from app.live.session.runner import LiveSession
@@ -59,14 +59,14 @@ def guide_session(
     try:
         prescribed = read_guidance(engine, session.id, default_zone) if is_prescribed else None
         if prescribed is not None:
-            Following.prepare()
+            GuidanceRunner.prepare()
     except NotGuided as refused:
         # It is said once, not again whenever the service restarts.
         notice = "" if len(session.ledger.durable) else refused.message
     except EstimationError as error:
         logger.warning("session %s cannot be guided: %s", session.id, error)
         trouble = say("guided.cannot")
-    session.guidance = GuidanceDesk(
+    session.guidance = GuidanceController(
         prescribed,
         session.declaration.time_step_s,
         before,

@@ -14,10 +14,10 @@ from app.live.checks.first_seconds import FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.health import LinkHealth
 from app.live.checks.recent import RecentSamples
-from app.live.checks.stray_source import StraySource
+from app.live.checks.unexpected_emission import UnexpectedEmission
 from app.live.engine.lane import ARRIVAL_S, Lane, Parts, TakenPacket
 from app.live.engine.pools import DURATION_US, TIME_US
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.session.actuation import Actuation
 from app.live.session.ledger import SequenceLedger
 from app.network.alignment import Aligner
@@ -37,9 +37,9 @@ class PooledSession(CalibratedSession):
     """Its place in the pooled engine, once it has one."""
     actuation: Actuation | None
     duplicates: int
-    guidance: GuidanceDesk | None
+    guidance: GuidanceController | None
     _forces: ForceWatch | None
-    _stray: StraySource
+    _stray: UnexpectedEmission
     _first_seconds: FirstSeconds
     _has_store_failed: bool
     _last_arrival_s: float

@@ -19,10 +19,10 @@ from app.live.calibration.device_rows import save_device_constants
 from app.live.checks.first_seconds import ALL_SESSIONS, FirstSeconds
 from app.live.checks.force_watch import ForceWatch
 from app.live.checks.plausibility import Check, check
-from app.live.checks.stray_source import StraySource
+from app.live.checks.unexpected_emission import UnexpectedEmission
 from app.live.checks.worn_watch import WornWatch
 from app.live.engine.lane import Parts
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.messages import HealthMessage, LayoutMessage, StateMessage
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
@@ -100,13 +100,13 @@ class LiveSession(PooledSession):
         self._saved_declaration = declaration
         self._backlog_ticks = BACKLOG_S * declaration.rate_hz
         self.line = EstimationLine(pipeline, self._after, self._fail)
-        self.guidance: GuidanceDesk | None = None
+        self.guidance: GuidanceController | None = None
 
         def tell(kind: str, at_s: float, placement: str, text: str) -> None:
             self.add_event(kind, at_s, placement=placement, text=text)
 
         self.actuation = Actuation.of(pipeline, tell)
-        self._stray = StraySource(tell)
+        self._stray = UnexpectedEmission(tell)
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
         self._worn = WornWatch.of(pipeline)

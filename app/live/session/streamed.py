@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.live.guidance.taken_up import TakenUp
+from app.live.guidance.resume_state import ResumeState
 from app.live.repository import StoredSession
 from app.recordings.signals.checkpoints import Checkpoint
 from app.recordings.signals.chunks import EncodedChunk
@@ -24,7 +24,7 @@ class Streamed:
         Of its frames.
     chunks : sequence of EncodedChunk or None
         Those that have packets behind the checkpoint; nothing without one. None where they are still to be read.
-    guided : TakenUp
+    guided : ResumeState
         Where its guidance stood.
     is_prescribed : bool
         Whether it has a prescription, whose guidance is to be read.
@@ -36,5 +36,5 @@ class Streamed:
     standing: Standing
     checkpoint: Checkpoint | None
     chunks: Sequence[EncodedChunk] | None
-    guided: TakenUp
+    guided: ResumeState
     is_prescribed: bool

@@ -127,7 +127,7 @@ class SessionKind(ABC):
             With the session and what to do.
         """
 
-    def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
+    def store_auxiliary(self, session: Session, session_id: str, recording: Recording) -> Recording:
         """Store what packets cannot carry of an uploaded recording; return what they can."""
         return recording
 

@@ -9,7 +9,7 @@ from app.live.calibration.endpoints import router as calibration_router
 from app.live.endpoints import steering_router
 from app.live.guidance.endpoints import router as guidance_router
 from app.scaled import wire
-from app.scaled.edge.side import EdgeSide
+from app.scaled.edge.service import EdgeLiveService
 from app.services import services_of
 
 _HERE: Final = {"give_ticket"}
@@ -27,7 +27,7 @@ async def forward(session_id: str, request: Request) -> Response:
         await request.body(),
         ("", 0) if client is None else (client.host, client.port),
     )
-    answer = await services_of(request).get(EdgeSide).ask(session_id, asked)
+    answer = await services_of(request).get(EdgeLiveService).ask(session_id, asked)
     response = Response(answer.body, answer.status)
     response.raw_headers = [(name, value) for name, value in answer.headers if name not in _OF_CONNECTION]
     response.raw_headers.append((b"content-length", str(len(answer.body)).encode()))

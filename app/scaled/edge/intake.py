@@ -12,7 +12,7 @@ from app.network.declaration import Declaration
 from app.network.messages import AcknowledgeMessage
 from app.network.packet import Packet
 from app.network.ranges import SequenceRanges
-from app.scaled.edge.outbox import Outbox
+from app.scaled.edge.publisher import StreamPublisher
 from app.scaled.wire import (
     GivenUpEntry,
     GoodbyeEntry,
@@ -59,7 +59,7 @@ class EdgeIntake:
 
     Parameters
     ----------
-    outbox : Outbox
+    publisher : StreamPublisher
         Of the session's partition.
     detached : callable(intake)
     """
@@ -69,7 +69,7 @@ class EdgeIntake:
         session_id: str,
         connection: str,
         declaration: Declaration,
-        outbox: Outbox,
+        publisher: StreamPublisher,
         check_right: Callable[[], Awaitable[None]],
         detached: Callable[["EdgeIntake"], None],
     ) -> None:
@@ -83,7 +83,7 @@ class EdgeIntake:
         self.is_welcome = asyncio.Event()
         """Set with the first report: the session is open, or `ended` says why not."""
         self._state: Any = "created"
-        self._outbox, self._check_right, self._detached = outbox, check_right, detached
+        self._publisher, self._check_right, self._detached = publisher, check_right, detached
         self._ledger = SequenceLedger()
         self._acknowledgements = Acknowledgements(session_id)
         self._messages: asyncio.Queue[Text] = asyncio.Queue()
@@ -99,7 +99,7 @@ class EdgeIntake:
         self._state, self.is_finished = report.state, self.is_finished or report.is_finished
         if was_open and not self.is_open:
             # From here on `receive` takes nothing: whoever closes the session waits for what lies before this.
-            self._outbox.put(StoppedEntry(self.session_id, self.connection))
+            self._publisher.put(StoppedEntry(self.session_id, self.connection))
         if report.received is not None and not self.is_welcome.is_set():
             # All of it came out of the stream, or out of the database.
             self._ledger.received = SequenceRanges(report.received)
@@ -115,9 +115,9 @@ class EdgeIntake:
         """Say again what a new holder of the partition may not know."""
         given_up = list(self._ledger.given_up)
         if given_up:
-            self._outbox.put(GivenUpEntry(self.session_id, given_up))
+            self._publisher.put(GivenUpEntry(self.session_id, given_up))
         if self._ledger.last_sequence is not None:
-            self._outbox.put(GoodbyeEntry(self.session_id, self.connection, self._ledger.last_sequence))
+            self._publisher.put(GoodbyeEntry(self.session_id, self.connection, self._ledger.last_sequence))
 
     def receive(self, packet: Packet, arrival_s: float, arrival_ns: int) -> bool:
         """Take one packet; False when it was here before."""
@@ -129,7 +129,7 @@ class EdgeIntake:
         if sequence in ledger.received:
             return False
         entry = PacketEntry(self.session_id, arrival_ns, packet.data)
-        self._outbox.put(entry, lambda: self._durable(sequence))
+        self._publisher.put(entry, lambda: self._durable(sequence))
         ledger.received.add(sequence)
         return True
 
@@ -152,13 +152,13 @@ class EdgeIntake:
         before = len(ledger.given_up)
         found = self._acknowledgements.next(ledger, self._state)
         if len(ledger.given_up) != before:
-            self._outbox.put(GivenUpEntry(self.session_id, list(ledger.given_up)))
+            self._publisher.put(GivenUpEntry(self.session_id, list(ledger.given_up)))
         return found
 
     def goodbye(self, last_sequence: int) -> None:
         """Note that nothing above `last_sequence` will come."""
         self._ledger.last_sequence = last_sequence
-        self._outbox.put(GoodbyeEntry(self.session_id, self.connection, last_sequence))
+        self._publisher.put(GoodbyeEntry(self.session_id, self.connection, last_sequence))
 
     async def check_right(self) -> None:
         """Raise when the gateway has lost its right since it connected."""
@@ -175,5 +175,5 @@ class EdgeIntake:
 
     def detach(self) -> None:
         """Note that the connection has ended."""
-        self._outbox.put(LeftEntry(self.session_id, self.connection))
+        self._publisher.put(LeftEntry(self.session_id, self.connection))
         self._detached(self)

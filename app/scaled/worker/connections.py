@@ -19,7 +19,7 @@ from app.scaled.wire import (
     StoppedEntry,
     pack_error,
 )
-from app.scaled.worker.outlet import Outlet
+from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.senders import Connection
 from app.scaled.worker.sessions import PartitionSessions
 from app.sentences import say
@@ -37,8 +37,8 @@ STOP_AGAIN_S: Final = 0.3
 class Connections:
     """The connections of a partition's gateways."""
 
-    def __init__(self, sessions: PartitionSessions, outlet: Outlet) -> None:
-        self._sessions, self._outlet = sessions, outlet
+    def __init__(self, sessions: PartitionSessions, publisher: Publisher) -> None:
+        self._sessions, self._publisher = sessions, publisher
         self._by_session: dict[str, Connection] = {}
 
     def open(self, session: LiveSession, hello: HelloEntry) -> None:
@@ -46,7 +46,7 @@ class Connections:
         before = self._by_session.get(session.id)
         if before is not None and before.id != hello.connection:
             error = Conflict(say("live.superseded"), reason="superseded")
-            self._outlet.report(before.edge, Report(before.id, session.state, error=pack_error(error)))
+            self._publisher.report(before.edge, Report(before.id, session.state, error=pack_error(error)))
         joined = self._join(session, hello.connection, hello.edge)
         session.connected()
         self._sessions.announce(session)
@@ -63,7 +63,7 @@ class Connections:
             return
         stored = await asyncio.to_thread(repository.load, self._sessions.engine, session_id)
         if stored.state not in OPEN:
-            self._outlet.report(edge, Report(connection, stored.state, is_finished=True))
+            self._publisher.report(edge, Report(connection, stored.state, is_finished=True))
 
     def _join(self, session: LiveSession, connection: str, edge: str) -> Connection:
         before = self._by_session.pop(session.id, None)
@@ -130,15 +130,15 @@ class Connections:
 
     async def report(self) -> None:
         """Tell edges what is new of their connections; let those go whose edge is silent."""
-        self._outlet.forget_silent()
+        self._publisher.forget_silent()
         for connection in list(self._by_session.values()):
-            if not self._outlet.hears_of(connection.edge):
+            if not self._publisher.hears_of(connection.edge):
                 self._leave(connection)
                 continue
             intake = connection.intake
             if intake.ended.is_set():
                 error = pack_error(intake.end_error)
-                self._outlet.report(
+                self._publisher.report(
                     connection.edge, Report(connection.id, self._state(connection), error=error)
                 )
                 self._leave(connection)
@@ -161,7 +161,7 @@ class Connections:
         session = self._sessions.find(connection.session_id)
         if session is not None and connection.reported_s - connection.opened_s < WELCOME_S:
             report.received = list(session.ledger.received)
-        self._outlet.report(connection.edge, report)
+        self._publisher.report(connection.edge, report)
 
     def close(self) -> None:
         """Forget them all; their edges tell the next holder."""

@@ -26,7 +26,7 @@ from nats.js.kv import KeyValue
 from app.scaled.broker import Broker
 from app.scaled.placement import share_of
 from app.scaled.wire import subject
-from app.scaled.worker.ending import end
+from app.scaled.worker.cancellation import end
 from app.scaled.worker.presence import WORKER, Presence
 
 logger = logging.getLogger(__name__)

@@ -25,13 +25,13 @@ from app.scaled.broker import Broker, stream_name
 from app.scaled.checkpoints import save
 from app.scaled.fencing import Fence, fenced, take_over
 from app.scaled.wire import Answer, Entry, NotSealed, Request, decode_entries, subject
+from app.scaled.worker.authorization_checks import AuthorizationChecks
+from app.scaled.worker.cancellation import end
 from app.scaled.worker.connections import Connections
-from app.scaled.worker.ending import end
-from app.scaled.worker.entries import Entries
-from app.scaled.worker.outlet import Outlet
-from app.scaled.worker.post import Post
-from app.scaled.worker.questions import Questions
+from app.scaled.worker.consumer import StreamConsumer
+from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.reader import read
+from app.scaled.worker.sender import EdgeSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 
 logger = logging.getLogger(__name__)
@@ -74,7 +74,7 @@ class Partition:
         broker: Broker,
         engine: Engine,
         shared: OfWorker,
-        post: Post,
+        post: EdgeSender,
         worker: str,
         refused: Callable[[], None],
         ask: Ask,
@@ -110,9 +110,9 @@ class Partition:
                 queue_closing(session, session_id)
 
         self.sessions = PartitionSessions(engine, self._writer, bus, analyse, self._drain, self._shared)
-        self._outlet = Outlet(self._post, bus, self.number, fencing)
-        self.connections = Connections(self.sessions, self._outlet)
-        self._entries = Entries(self.sessions, self.connections, self._outlet, engine, self._shared)
+        self._publisher = Publisher(self._post, bus, self.number, fencing)
+        self.connections = Connections(self.sessions, self._publisher)
+        self._entries = StreamConsumer(self.sessions, self.connections, self._publisher, engine, self._shared)
         self._is_set_up = True
         later = await self.sessions.begin(self.number, self._broker.partitions)
         info = await self._broker.streams.stream_info(stream_name(self.number))
@@ -122,7 +122,9 @@ class Partition:
         self.sessions.behind(lambda: self.waiting > 0 or self._entries.is_opening)
         for session_id in later:
             self._entries.take_up(self.position, session_id)
-        questions = Questions(self.sessions, self._outlet, self.connections, self._ask, self._broker.seal)
+        questions = AuthorizationChecks(
+            self.sessions, self._publisher, self.connections, self._ask, self._broker.seal
+        )
         client = self._broker.client
         for name, answer in (("ask", questions.ask), ("here", questions.hear), ("done", self._analysed)):
             self._subscriptions.append(await client.subscribe(subject(name, self.number), cb=answer))
@@ -167,7 +169,7 @@ class Partition:
         self._entries.close()
         self.connections.close()
         self.sessions.leave()
-        self._outlet.close()
+        self._publisher.close()
         closing = [one.unsubscribe() for one in self._subscriptions]
         self._unsubscribing = asyncio.ensure_future(_all(closing))
 

@@ -21,7 +21,7 @@ from app.live.session.opening import Place
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.scaled.taking_up import read_streamed
+from app.scaled.takeover import read_streamed
 from app.scaled.wire import partition_of
 from app.scaled.worker.preparing import Preparation
 from app.settings import Settings

@@ -2,11 +2,11 @@
 
 ::
 
-    following = Following(ready, tick_s=0.01)
+    following = GuidanceRunner(ready, tick_s=0.01)
     chunk, is_settled = following.feed(frames)
 """
 
-from estimators.guidance.live._following import Following
-from estimators.guidance.live._picking import Picking
+from estimators.guidance.live._following import GuidanceRunner
+from estimators.guidance.live._picking import ChannelSelector
 
-__all__ = ["Following", "Picking"]
+__all__ = ["ChannelSelector", "GuidanceRunner"]

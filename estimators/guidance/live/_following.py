@@ -12,8 +12,8 @@ from estimators.guidance._guide import VALID_SHARE, Guide
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import CueRule, StopRule
 from estimators.guidance.fitting import DEFAULT_STOPS, least_room
-from estimators.guidance.live._picking import Picking
-from estimators.guidance.live._settling import Settling
+from estimators.guidance.live._picking import ChannelSelector
+from estimators.guidance.live._settling import RestDetector
 from estimators.pipelines import Frames
 from estimators.recording import Float
 
@@ -23,7 +23,7 @@ TRACKED_S: Final = 1.0
 """So long everything must be seen again before a pause for want of sight ends by itself."""
 
 
-class Following:
+class GuidanceRunner:
     """Feeds a `Guide`; parameters without a word here are its own.
 
     Parameters
@@ -45,8 +45,8 @@ class Following:
         self._tick_s = tick_s
         self.main = ready.main
         self._guide = Guide(ready, tick_s, valid_share=valid_share, rules=rules, stops=stops, pace=pace)
-        self._picking = Picking(ready)
-        self._settling = Settling(ready, tick_s)
+        self._picking = ChannelSelector(ready)
+        self._settling = RestDetector(ready, tick_s)
         self._is_settled = False
         self._next_tick: int | None = None
         self._tracked_s = 0.0
@@ -62,7 +62,7 @@ class Following:
     def prepare() -> None:
         """Compile or load what `feed` runs, so that the first frames do not wait for it; blocks."""
         Guide.prepare()
-        Picking.prepare()
+        ChannelSelector.prepare()
 
     def feed(self, frames: Frames) -> tuple[GuidanceChunk, bool]:
         """Take frames; return what the guide says of the last of them, and whether it counts already."""

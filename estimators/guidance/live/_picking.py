@@ -121,7 +121,7 @@ def _pick(
                 values[k, c] = value - origin
 
 
-class Picking:
+class ChannelSelector:
     """Picks what `Guide.feed` takes out of the frames of a session, packet by packet."""
 
     def __init__(self, ready: GuidanceTemplate) -> None:

@@ -15,7 +15,7 @@ PATIENCE_S: Final = 6.0
 """After so long the start is taken as it is: a tremor is no reason never to begin."""
 
 
-class Settling:
+class RestDetector:
     """Waits for a second of rest."""
 
     def __init__(self, ready: GuidanceTemplate, tick_s: float) -> None:

@@ -20,7 +20,7 @@ from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import TelemotionError
 from app.live.rights import questions as module
-from app.live.rights.questions import RightQuestion, answers, answers_apart, still_allowed
+from app.live.rights.authorization_checks import AuthorizationCheck, answers, answers_apart, still_allowed
 from app.patients.access import Level
 from app.patients.models import Grant, Patient
 from app.recordings.models import MotionSession
@@ -107,7 +107,7 @@ def word(refusal: Exception | None) -> str | None:
     return refusal.sentence.code
 
 
-def alone(engine: Engine, question: RightQuestion) -> TelemotionError | None:
+def alone(engine: Engine, question: AuthorizationCheck) -> TelemotionError | None:
     try:
         still_allowed(engine, question)
     except TelemotionError as error:
@@ -115,7 +115,7 @@ def alone(engine: Engine, question: RightQuestion) -> TelemotionError | None:
     return None
 
 
-def all_of(engine: Engine, asked: list[RightQuestion]) -> list[TelemotionError | None]:
+def all_of(engine: Engine, asked: list[AuthorizationCheck]) -> list[TelemotionError | None]:
     """Ask together, and hold it against the questions by themselves: kind, sentence and details of each error."""
     together = answers(engine, asked)
     apart = [alone(engine, one) for one in asked]
@@ -159,7 +159,7 @@ def bring_into(engine: Engine, world: World, state: str) -> None:
 def check_table(engine: Engine, world: World, sessions: Any, subjects: Any, state: str) -> None:
     bring_into(engine, world, state)
     cases = list(product(HELD, LEVELS))
-    asked = [RightQuestion(subjects[name], sessions["ada"], level) for name, level in cases]
+    asked = [AuthorizationCheck(subjects[name], sessions["ada"], level) for name, level in cases]
     with counted(engine) as statements:
         answers(engine, asked)
     assert len(statements) <= STATEMENTS - 1, "nobody is asked for by a browser session"
@@ -249,10 +249,10 @@ def test_whatever_is_taken_away_ends_the_sockets_it_concerns_and_no_others(
         therapist = replace(subjects["therapist"], sign_in_id=row.id)
     ada = sessions["ada"]
     asked = [
-        RightQuestion(therapist, ada, "read", settings),
-        RightQuestion(therapist, ada, "record"),
-        RightQuestion(subjects["device"], ada, "record"),
-        RightQuestion(subjects["foreign_therapist"], sessions["carl"], "read"),
+        AuthorizationCheck(therapist, ada, "read", settings),
+        AuthorizationCheck(therapist, ada, "record"),
+        AuthorizationCheck(subjects["device"], ada, "record"),
+        AuthorizationCheck(subjects["foreign_therapist"], sessions["carl"], "read"),
     ]
     assert all_of(engine, asked) == [None] * 4
     with unit_of_work(engine) as session:
@@ -268,8 +268,8 @@ def test_many_sockets_cost_no_more_statements_than_one_of_each_kind(
     engine: Engine, sessions: Any, subjects: Any
 ) -> None:
     each = [
-        RightQuestion(subjects["therapist"], sessions["bert"], "record"),
-        RightQuestion(subjects["device"], sessions["ada"], "record"),
+        AuthorizationCheck(subjects["therapist"], sessions["bert"], "record"),
+        AuthorizationCheck(subjects["device"], sessions["ada"], "record"),
     ]
     with counted(engine) as few:
         answers(engine, each)
@@ -277,7 +277,7 @@ def test_many_sockets_cost_no_more_statements_than_one_of_each_kind(
         assert answers(engine, each * 250) == [None] * 500
     assert len(few) == len(many) == STATEMENTS - 1
     with counted(engine) as watching:
-        answers(engine, [RightQuestion(subjects["patient"], sessions["ada"], "read")] * 100)
+        answers(engine, [AuthorizationCheck(subjects["patient"], sessions["ada"], "read")] * 100)
     assert len(watching) == 3, "what no answer depends on is not asked for: account, session, patient"
     assert answers(engine, []) == []
 
@@ -285,9 +285,9 @@ def test_many_sockets_cost_no_more_statements_than_one_of_each_kind(
 def test_a_question_that_fails_harms_no_other_and_a_silent_database_answers_nobody(
     engine: Engine, sessions: Any, subjects: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    good = RightQuestion(subjects["therapist"], sessions["ada"], "read")
-    bad = RightQuestion(subjects["therapist"], "broken", "read")
-    lost = RightQuestion(subjects["former"], sessions["ada"], "read")
+    good = AuthorizationCheck(subjects["therapist"], sessions["ada"], "read")
+    bad = AuthorizationCheck(subjects["therapist"], "broken", "read")
+    lost = AuthorizationCheck(subjects["former"], sessions["ada"], "read")
     real = module.answers
 
     def failing(engine: Engine, asked: Any) -> Any:
@@ -319,7 +319,7 @@ def test_rights_are_found_by_an_index(engine: Engine, sessions: Any, subjects: A
             plans.append((statement, parameters))
 
     event.listen(engine, "before_cursor_execute", note)
-    answers(engine, [RightQuestion(subjects["therapist"], sessions["ada"], "read")] * 2)
+    answers(engine, [AuthorizationCheck(subjects["therapist"], sessions["ada"], "read")] * 2)
     event.remove(engine, "before_cursor_execute", note)
     ((statement, parameters),) = plans
     with read_only(engine) as session:

@@ -132,7 +132,7 @@ def drain(socket, received):
 
 
 def test_an_open_socket_ends_when_its_account_is_switched_off(sign_in, world, therapist, monkeypatch):
-    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", 0.05)
+    monkeypatch.setattr("app.live.service.CHECK_EVERY_S", 0.05)
     body = {"patient_id": world.patient_id, "placements": ["upper_arm_right"]}
     session_id = therapist.post("/api/sessions", json=body).json()["id"]
     with therapist.websocket_connect(f"/ws/live/{session_id}") as socket:

@@ -22,7 +22,7 @@ from app.limits import Allowance, Limits
 from app.live.bus import MemoryBus, topic
 from app.live.manager import LiveManager
 from app.live.repository import source_refusal
-from app.live.rights.questions import RightQuestion, answers
+from app.live.rights.authorization_checks import AuthorizationCheck, answers
 from app.live.warmup import FIRST, warm_up
 from app.recordings.analysis.queue import FairQueue
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -91,11 +91,11 @@ def test_a_minute_of_ten_sessions_leaves_nothing_to_collect(
         senders = [Sender(intake) for intake in made]
         views = [bus.subscribe(topic(one.session_id, "blocks"), size=16) for one in made]
         sockets = [
-            RightQuestion(subject, one.session_id, level, shown)
+            AuthorizationCheck(subject, one.session_id, level, shown)
             for one in made
             for level, shown in (("read", settings), ("record", None))
         ]
-        device = RightQuestion(replace(subject, kind="device"), made[0].session_id, "record")
+        device = AuthorizationCheck(replace(subject, kind="device"), made[0].session_id, "record")
         for number in range(round(SECONDS / PACKET_S)):
             now_s = number * PACKET_S
             if now_s == WARM_S:

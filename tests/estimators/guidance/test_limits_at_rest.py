@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimators.guidance import StopRule
-from estimators.guidance.live import Following, _following
+from estimators.guidance.live import GuidanceRunner, _following
 from tests.estimators.guidance.test_cues import ready
 
 TICK_S = 0.01
@@ -14,7 +14,7 @@ TICK_S = 0.01
 
 @pytest.fixture
 def following(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Return a function that makes a `Following` fed with values instead of frames."""
+    """Return a function that makes a `GuidanceRunner` fed with values instead of frames."""
 
     class Straight:
         def __init__(self, _: Any) -> None: ...
@@ -22,10 +22,10 @@ def following(monkeypatch: pytest.MonkeyPatch) -> Any:
         def pick(self, frames: Any) -> Any:
             return frames.values, np.full_like(frames.values, 0.01)
 
-    monkeypatch.setattr(_following, "Picking", Straight)
+    monkeypatch.setattr(_following, "ChannelSelector", Straight)
 
     def make(*stops: StopRule) -> Any:
-        return Following(ready(), TICK_S, stops=stops)
+        return GuidanceRunner(ready(), TICK_S, stops=stops)
 
     return make
 

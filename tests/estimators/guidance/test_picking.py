@@ -8,7 +8,7 @@ import pytest
 from estimators.comparison import trajectory
 from estimators.compiling import Kernel
 from estimators.guidance import Guide, signals
-from estimators.guidance.live import Picking
+from estimators.guidance.live import ChannelSelector
 from estimators.orientation import OrientationFlag
 from validation.guidance.sessions import STEP_S, streamed
 
@@ -43,7 +43,7 @@ def packets(frames):
 
 def test_what_is_picked_is_what_the_trajectory_gives(guided) -> None:
     ready, frames = guided
-    picking = Picking(ready)
+    picking = ChannelSelector(ready)
     values, sigma = (np.concatenate(one) for one in zip(*map(picking.pick, packets(frames)), strict=True))
     wanted, doubt = signals(trajectory(frames), ready)
     assert np.isnan(wanted).any()
@@ -59,7 +59,7 @@ def test_a_channel_that_the_session_lacks_is_unknown(guided) -> None:
         layout=replace(frames.layout, scalars=frames.layout.scalars[1:]),
         scalar=np.ascontiguousarray(frames.scalar[:, 1:]),
     )
-    picking = Picking(ready)
+    picking = ChannelSelector(ready)
     picking.pick(frames)
     values, _ = picking.pick(fewer)
     assert np.isnan(values[:, ready.channels.index(frames.layout.scalars[0])]).all()
@@ -68,7 +68,7 @@ def test_a_channel_that_the_session_lacks_is_unknown(guided) -> None:
 
 def test_the_guide_says_the_same_of_packets_as_of_the_whole(guided) -> None:
     ready, frames = guided
-    picking, guide = Picking(ready), Guide(ready, STEP_S)
+    picking, guide = ChannelSelector(ready), Guide(ready, STEP_S)
     chunks = [guide.feed(*picking.pick(one)) for one in packets(frames)]
     whole = Guide(ready, STEP_S).feed(*signals(trajectory(frames), ready))
     for name in ("phase", "sigma", "rest", "wrong", "size", "deviation", "deviation_sigma"):
@@ -84,7 +84,7 @@ def test_the_guide_says_the_same_of_packets_as_of_the_whole(guided) -> None:
 def test_types_are_looked_at_with_the_first_packet_alone(guided) -> None:
     """Numba looks at named tuples in Python, packet by packet."""
     ready, frames = guided
-    picking, guide = Picking(ready), Guide(ready, STEP_S)
+    picking, guide = ChannelSelector(ready), Guide(ready, STEP_S)
     first, second = packets(frames)[:2]
     for one in (first, second):
         assert isinstance(picking._write, Kernel) == isinstance(guide._run, Kernel) == (one is first)

@@ -16,8 +16,8 @@ from app.network.messages import AcknowledgeMessage, HelloMessage
 from app.network.mqtt import connection_name
 from app.network.packet import Packet
 from app.scaled.mqtt import link as links
-from app.scaled.mqtt.door import OwnSession
 from app.scaled.mqtt.link import MqttLink
+from app.scaled.mqtt.listener import OwnSession
 from tests.app.live.live_load import swaying
 from tests.patience import PATIENCE_S
 

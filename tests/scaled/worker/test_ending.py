@@ -2,7 +2,7 @@
 
 import asyncio
 
-from app.scaled.worker.ending import end
+from app.scaled.worker.cancellation import end
 from tests.patience import PATIENCE_S
 
 

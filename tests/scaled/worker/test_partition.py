@@ -30,7 +30,7 @@ def partition() -> Partition:
     parts: Any = made
     parts.sessions, parts.connections = MagicMock(sessions=[], closed=AsyncMock()), MagicMock()
     parts._entries = MagicMock(is_behind=False, taken=lambda position: position)
-    parts._outlet, parts._writer, parts._fenced = MagicMock(), MagicMock(), MagicMock()
+    parts._publisher, parts._writer, parts._fenced = MagicMock(), MagicMock(), MagicMock()
     parts.position, parts._stored = POSITION, 0
     return made
 
@@ -52,7 +52,7 @@ def test_packets_that_a_session_could_not_take_in_the_last_turn_are_not_said_to_
 def test_a_partition_ends_also_while_the_database_is_away(partition: Any, save: Mock) -> None:
     save.side_effect = OperationalError("UPDATE", {}, Exception())
     asyncio.run(partition.give_back())
-    partition._outlet.close.assert_called_once()
+    partition._publisher.close.assert_called_once()
     partition._writer.close.assert_called_once()
 
 

@@ -20,7 +20,7 @@ from app.live.warmup import FIRST, Readiness, warm_up
 from app.network.declaration import FoundClips
 from app.recordings.models import LiveCheckpoint, MotionSession
 from app.scaled.fencing import Fence, fenced, take_over
-from app.scaled.taking_up import read_streamed
+from app.scaled.takeover import read_streamed
 from app.scaled.worker import holder
 from app.scaled.worker.preparing import Preparation
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
@@ -31,7 +31,7 @@ from tests.app.live.engine.test_both_ways import ARM
 from tests.app.live.live_load import remember, swaying
 from tests.benchmarks.service import SECRET
 from tests.patience import PATIENCE_S
-from tests.scaled.test_taking_up import SECONDS, database, goes_on, limits, no_checks, streamed, writer_of
+from tests.scaled.test_takeover import SECONDS, database, goes_on, limits, no_checks, streamed, writer_of
 
 __all__ = ["database", "no_checks"]
 

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.accounts.models import AuditEvent
-from app.assessment.design.compiled import drawn_template, guidance_of, mirrored_design
+from app.assessment.design.compiled import effective_template, guidance_of, mirrored_design
 from app.assessment.design.rules import said
 from app.database.unit_of_work import read_only
 from app.exercises.design import StopDesign, TemplateDesign
@@ -87,7 +87,7 @@ def test_everybody_gets_the_same_band_and_rules(
     therapist: Any, stored: tuple[str, str], engine: Engine
 ) -> None:
     version = version_of(engine, draw(therapist, stored, DESIGN).json()["id"])
-    template = drawn_template(version)
+    template = effective_template(version)
     column = template.channels.index(FORWARD)
     recorded = template_from_bytes(version.content)
     assert template.above[30, column] == pytest.approx(0.4 * recorded.tolerance[30, column])
@@ -109,7 +109,7 @@ def test_a_wider_prescription_widens_the_whole_band_and_adds_its_stops(
     therapist: Any, stored: tuple[str, str], engine: Engine
 ) -> None:
     version = version_of(engine, draw(therapist, stored, DESIGN).json()["id"])
-    once, twice = drawn_template(version), drawn_template(version, scale=2.0)
+    once, twice = effective_template(version), effective_template(version, scale=2.0)
     assert np.allclose(twice.above, 2.0 * once.above, equal_nan=True)
     assert np.allclose(twice.below, 2.0 * once.below, equal_nan=True)
     own = StopDesign(kind="limit", channel=MAIN, limit=1.0)

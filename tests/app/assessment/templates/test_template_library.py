@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.accounts.models import AuditEvent
-from app.assessment.design.compiled import drawn_template
+from app.assessment.design.compiled import effective_template
 from app.assessment.design.prescribed import exercise_side
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise, TemplateVersion
@@ -103,8 +103,8 @@ def test_a_copy_for_the_other_side_is_the_mirrored_movement(
     with read_only(engine) as session:
         exercise = session.get_one(Exercise, made["exercise_id"])
         assert (exercise.side, exercise.primary_angle) == ("left", made["primary_channel"])
-        here = drawn_template(session.get_one(TemplateVersion, drawn["id"]))
-        across = drawn_template(session.get_one(TemplateVersion, made["id"]))
+        here = effective_template(session.get_one(TemplateVersion, drawn["id"]))
+        across = effective_template(session.get_one(TemplateVersion, made["id"]))
     column = here.channels.index(LATERAL)
     assert np.array_equal(across.mean[:, column], -here.mean[:, column])
     assert np.array_equal(across.above[:, column], here.below[:, column])

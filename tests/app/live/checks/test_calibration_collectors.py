@@ -16,7 +16,7 @@ from app.live.calibration.calibrating import (
     COLLECTORS,
     LINK_PATIENCE_S,
     NOT_EVALUATED,
-    CalibrationDesk,
+    CalibrationController,
     redo_steps,
 )
 from app.live.calibration.collectors import Collector, Outcome
@@ -278,7 +278,7 @@ def test_a_calibration_that_breaks_down_is_to_be_repeated(caplog: pytest.LogCapt
         ended: list[Exception] = []
         pipeline = pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ))
         line = EstimationLine(pipeline, lambda *_: None, ended.append)
-        desk = CalibrationDesk(
+        desk = CalibrationController(
             ("upper_arm_right",),
             0.01,
             line,
@@ -312,7 +312,7 @@ def test_a_lost_link_ends_only_what_a_gap_spoils(
     async def run() -> tuple[list[str], bool]:
         phases: list[str] = []
         pipeline = pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ))
-        desk = CalibrationDesk(
+        desk = CalibrationController(
             ("upper_arm_right",),
             0.01,
             EstimationLine(pipeline, lambda *_: None, lambda _: None),

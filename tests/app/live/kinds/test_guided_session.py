@@ -21,7 +21,7 @@ from app.live import repository, warmup
 from app.live.bus import MemoryBus, topic
 from app.live.calibration.messages import CalibrationIn
 from app.live.engine.shared import Shared
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.guidance.messages import GuidanceMessage
 from app.live.manager import LiveManager
 from app.live.session.runner import LiveSession
@@ -51,7 +51,7 @@ class Room:
         self._listener = manager.bus.subscribe(topic(live.id, "guidance"), size=100_000)
 
     @property
-    def desk(self) -> GuidanceDesk:
+    def desk(self) -> GuidanceController:
         return self.manager.guidance(self.live.id)
 
     @property
@@ -419,7 +419,7 @@ def test_a_guidance_that_fails_leaves_the_session_alone(
 
     async def work(room: Room) -> None:
         await room.to_the_start()
-        monkeypatch.setattr("estimators.guidance.live.Picking.pick", broken)
+        monkeypatch.setattr("estimators.guidance.live.ChannelSelector.pick", broken)
         await room.to_the_end()
         assert room.live.state == "recording"
         assert room.desk.message.status == "failed"

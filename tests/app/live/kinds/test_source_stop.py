@@ -13,7 +13,7 @@ from app.gateway import GatewayClient, ServiceClient
 from app.gateway.relative_patient import RelativePatient
 from app.gateway.source import SourceControl
 from app.kinds.magnetic.schemas import MagneticSafetyIn
-from app.live.checks.stray_source import GRACE_S, StraySource
+from app.live.checks.unexpected_emission import GRACE_S, UnexpectedEmission
 from app.live.session.actuation import Actuation
 from app.live.session.opening import setup_for
 from app.network.declaration import Declaration
@@ -84,9 +84,9 @@ def ticks(first: int, state: list[float] | None) -> tuple[float, float, NDArray[
 
 
 class TestStraySource:
-    def watched(self) -> tuple[StraySource, list[tuple[str, float, str, str]]]:
+    def watched(self) -> tuple[UnexpectedEmission, list[tuple[str, float, str, str]]]:
         told: list[tuple[str, float, str, str]] = []
-        return StraySource(lambda *event: told.append(event)), told
+        return UnexpectedEmission(lambda *event: told.append(event)), told
 
     def test_a_session_without_a_source_says_once_that_one_fires(self) -> None:
         stray, told = self.watched()

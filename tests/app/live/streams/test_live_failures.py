@@ -130,7 +130,7 @@ def test_a_session_that_is_erased_while_it_streams_harms_nobody(
     is_told: Callable[[dict[str, Any]], bool],
 ) -> None:
     """Whichever notices first, storing or the check of the right, tells the gateway."""
-    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", check_every_s)
+    monkeypatch.setattr("app.live.service.CHECK_EVERY_S", check_every_s)
     erased = new_session(therapist, world.patient_id, stream)
     sound = new_session(therapist, world.other_patient_id, stream)
     with (

@@ -9,7 +9,7 @@ import pytest
 
 from app.gateway import DeviceStream, stream_of
 from app.live.manager import LiveManager
-from app.live.side import CHECK_AT_LEAST_EVERY_S, CHECK_EVERY_S
+from app.live.service import CHECK_AT_LEAST_EVERY_S, CHECK_EVERY_S
 from app.services import Services
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
@@ -32,7 +32,7 @@ def test_a_view_that_the_cookie_opened_ends_with_the_browser_session(
     stream: DeviceStream,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", 0.1)
+    monkeypatch.setattr("app.live.service.CHECK_EVERY_S", 0.1)
     session_id = new_session(therapist, world.patient_id, stream)
     with therapist.websocket_connect(f"/ws/live/{session_id}", headers=headers) as page:
         receive_until(page, lambda message: message["type"] == "state")
@@ -61,7 +61,7 @@ def test_what_a_ticket_opened_ends_with_the_browser_session_that_asked_for_it(
     stream: DeviceStream,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", 0.1)
+    monkeypatch.setattr("app.live.service.CHECK_EVERY_S", 0.1)
     stolen, own = sign_in("therapist"), sign_in("therapist")
     session_id = new_session(own, world.patient_id, stream)
     for browser, ends in ((own, False), (stolen, True)):
@@ -97,7 +97,7 @@ def test_a_check_that_takes_its_time_holds_up_no_acknowledgement(
         asked.append(question)
         await asyncio.Event().wait()
 
-    monkeypatch.setattr("app.live.side.CHECK_EVERY_S", 0.0)
+    monkeypatch.setattr("app.live.service.CHECK_EVERY_S", 0.0)
     monkeypatch.setattr(LiveManager, "check_right", never)
     session_id = new_session(therapist, world.patient_id, stream)
     with therapist.websocket_connect("/ws/ingest") as gateway:

@@ -19,7 +19,7 @@ from app.edge.readiness import Readiness
 from app.errors import NotAllowed
 from app.gateway import DeviceStream, stream_of
 from app.live.manager import LiveManager
-from app.live.rights.patience import Patience
+from app.live.rights.grace_period import GracePeriod
 from app.live.session.ledger import NOT_STORED_AFTER_S, SequenceLedger
 from app.recordings.signals.store import read_packets
 from app.services import Services
@@ -218,9 +218,9 @@ def test_an_open_socket_is_patient_with_the_database_only(error) -> None:
 
     async def run() -> None:
         if isinstance(error, OperationalError):
-            await Patience(unanswered_s=60.0).wait(fails())
+            await GracePeriod(unanswered_s=60.0).wait(fails())
         with pytest.raises(type(error)):
-            await Patience(unanswered_s=-1.0).wait(fails())
+            await GracePeriod(unanswered_s=-1.0).wait(fails())
 
     asyncio.run(run())
 

@@ -19,7 +19,7 @@ _NO_SOURCE: Final = say("live.stray_source")
 _STOPPED: Final = say("live.source_not_stopped")
 
 
-class StraySource:
+class UnexpectedEmission:
     """Watches the coil states of one live session.
 
     Parameters

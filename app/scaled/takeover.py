@@ -11,7 +11,7 @@ from sqlalchemy import Engine, func, literal, select, text
 from sqlalchemy.orm import Session
 
 from app.database.unit_of_work import read_only
-from app.live.guidance.taken_up import stood
+from app.live.guidance.resume_state import stood
 from app.live.repository import StoredSession
 from app.live.session.checkpoint import LAYOUT
 from app.live.session.streamed import Streamed

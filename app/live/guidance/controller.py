@@ -20,12 +20,12 @@ from app.live.guidance.messages import (
     GuidanceMessage,
     GuidanceStatus,
 )
-from app.live.guidance.taken_up import TakenUp
+from app.live.guidance.resume_state import ResumeState
 from app.live.guidance.words import HELD, PAUSED, RESUMED, STOPPED, counted
 from app.sentences import say
 from estimators.comparison import channel_name, channel_unit
 from estimators.guidance import CountedRepetition, Cue, GuidanceChunk, Stopped
-from estimators.guidance.live import Following
+from estimators.guidance.live import GuidanceRunner
 from estimators.pipelines import Frames
 
 logger = logging.getLogger(__name__)
@@ -37,7 +37,7 @@ SURE: Final = 0.1
 
 
 class AddEvent(Protocol):
-    """`SessionBook.add_event`."""
+    """`SessionLog.add_event`."""
 
     def __call__(
         self, kind: str, time_s: float, *, text: str = "", details: dict[str, Any] | None = None
@@ -45,14 +45,14 @@ class AddEvent(Protocol):
         """Store and publish something on the time line."""
 
 
-class GuidanceDesk:
+class GuidanceController:
     """Guides one session.
 
     Parameters
     ----------
     prescribed : PrescribedGuidance or None
         None: nothing to follow; pausing, pain and stopping are taken all the same.
-    taken_up : TakenUp
+    taken_up : ResumeState
         What was counted before a restart.
     add_event : callable
         Takes entries of the time line.
@@ -68,7 +68,7 @@ class GuidanceDesk:
         self,
         prescribed: PrescribedGuidance | None,
         tick_s: float,
-        taken_up: TakenUp,
+        taken_up: ResumeState,
         add_event: AddEvent,
         publish: Callable[[GuidanceMessage], None],
         *,
@@ -84,10 +84,10 @@ class GuidanceDesk:
             if not taken_up.has_ended_a_set:
                 # The set that an earlier session of the day had begun goes on.
                 self._in_set.valid += self._dose.before % self._dose.set_valid
-        self._following: Following | None = None
+        self._following: GuidanceRunner | None = None
         if prescribed is not None:
             ordered = prescribed.guidance
-            self._following = Following(
+            self._following = GuidanceRunner(
                 ordered.ready,
                 tick_s,
                 valid_share=ordered.valid_share,
@@ -156,7 +156,7 @@ class GuidanceDesk:
         self._add_event("guidance_failed", self._time_s, text=why)
         self._tell(None)
 
-    def _follow(self, following: Following, frames: Frames, *, is_live: bool) -> None:
+    def _follow(self, following: GuidanceRunner, frames: Frames, *, is_live: bool) -> None:
         chunk, is_settled = following.feed(frames)
         self._report_set_aside(following)
         first_s = self._time_s - len(chunk.phase) * frames.time_step_s
@@ -228,7 +228,7 @@ class GuidanceDesk:
         kind = "guidance_pause" if stop.is_pause else "guidance_stop"
         self._add_event(kind, time_s, text=HELD[stop.kind], details=details)
 
-    def _report_set_aside(self, following: Following) -> None:
+    def _report_set_aside(self, following: GuidanceRunner) -> None:
         """Tell the therapist, and not the patient, of limits that rest itself breaks."""
         found = () if self._has_told_limits else following.take_set_aside()
         self._has_told_limits = self._has_told_limits or bool(found)

@@ -23,7 +23,7 @@ logger = logging.getLogger(__name__)
 TOPICS = ("frames", "blocks", "state", "health", "event", "layout", "calibration", "guidance")
 
 
-class SessionBook(ABC):
+class SessionLog(ABC):
     """The part of a live session that others read: in the database, on the time line, on the bus.
 
     Parameters

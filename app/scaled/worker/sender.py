@@ -32,7 +32,7 @@ class _Bundle:
         self.bytes += size
 
 
-class Post:
+class EdgeSender:
     """Sends edges what partitions have for them."""
 
     def __init__(self, broker: Broker) -> None:

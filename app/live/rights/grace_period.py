@@ -14,7 +14,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 UNANSWERED_S: Final = 60.0
 
 
-class Patience:
+class GracePeriod:
     """Of one open socket.
 
     Parameters

@@ -11,7 +11,7 @@ from app.errors import Unavailable
 from app.network.declaration import Declaration
 from app.scaled.wire import HelloEntry, PacketEntry
 from app.scaled.worker import entries as module
-from app.scaled.worker.entries import Entries
+from app.scaled.worker.consumer import StreamConsumer
 from tests.patience import PATIENCE_S
 
 HELLO = HelloEntry("session", "connection", "edge", {})
@@ -43,11 +43,11 @@ def test_only_a_session_without_packets_waits_until_there_is_room(
 ) -> None:
     monkeypatch.setattr(module.repository, "load", lambda *_: SimpleNamespace(hello={}, state="created"))
     monkeypatch.setattr(Declaration, "from_dict", lambda _: None)
-    sessions, connections, outlet = Full(), MagicMock(), MagicMock()
+    sessions, connections, publisher = Full(), MagicMock(), MagicMock()
 
     async def story() -> None:
         made: Any = sessions
-        entries = Entries(made, connections, outlet, MagicMock(), MagicMock())
+        entries = StreamConsumer(made, connections, publisher, MagicMock(), MagicMock())
         for sequence, entry in enumerate(taken, 1):
             entries.take(sequence, entry)
         async with asyncio.timeout(PATIENCE_S):
@@ -57,5 +57,5 @@ def test_only_a_session_without_packets_waits_until_there_is_room(
 
     asyncio.run(story())
     assert (sessions.session is not None) == is_open
-    assert outlet.report.called != is_open
+    assert publisher.report.called != is_open
     assert sessions.pooled.offer.call_count == packets

@@ -19,7 +19,7 @@ _HELD = ("pain", "guidance_stop", "guidance_pause", "guidance_resume")
 
 
 @dataclass(frozen=True)
-class TakenUp:
+class ResumeState:
     """Where the guidance of a session stood.
 
     Attributes
@@ -58,13 +58,13 @@ def read_guidance(engine: Engine, session_id: str, default_zone: str) -> Prescri
         return prescribed_guidance(session, session_id, default_zone)
 
 
-def taken_up(engine: Engine, session_id: str) -> TakenUp:
+def taken_up(engine: Engine, session_id: str) -> ResumeState:
     """Read where the guidance of a session stood; blocks."""
     with read_only(engine) as session:
         return stood(session, [session_id])[session_id]
 
 
-def stood(session: Session, session_ids: Sequence[str]) -> dict[str, TakenUp]:
+def stood(session: Session, session_ids: Sequence[str]) -> dict[str, ResumeState]:
     """Return where the guidance of each session stood."""
     of_session: dict[str, list[Row[Any]]] = {one: [] for one in session_ids}
     for row in session.execute(
@@ -79,11 +79,11 @@ def stood(session: Session, session_ids: Sequence[str]) -> dict[str, TakenUp]:
     return {one: _stood(events) for one, events in of_session.items()}
 
 
-def _stood(events: Sequence[Row[Any]]) -> TakenUp:
+def _stood(events: Sequence[Row[Any]]) -> ResumeState:
     ends = [place for place, one in enumerate(events) if one.details.get("cause") in ENDS_A_SET]
     held = next((one for one in reversed(events) if one.kind in _HELD), None)
     is_held = held is not None and held.kind != "guidance_resume"
-    return TakenUp(
+    return ResumeState(
         counts=_counted(one.details.get("kind") for one in events if one.kind == "repetition"),
         in_set=_counted(
             one.details.get("kind")

@@ -35,7 +35,7 @@ _ACTIVE_ACCOUNTS = select(Account.id).where(Account.id.in_(_IDS), Account.is_act
 
 
 @dataclass(frozen=True)
-class RightQuestion:
+class AuthorizationCheck:
     """Whether an open socket may stay open.
 
     Attributes
@@ -57,7 +57,7 @@ class RightQuestion:
     settings: Settings | None = None
 
 
-def still_allowed(engine: Engine, question: RightQuestion) -> None:
+def still_allowed(engine: Engine, question: AuthorizationCheck) -> None:
     """Check one open socket again: a set of one.
 
     Raises
@@ -74,7 +74,7 @@ def still_allowed(engine: Engine, question: RightQuestion) -> None:
         raise refusal
 
 
-def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[TelemotionError | None]:
+def answers(engine: Engine, questions: Sequence[AuthorizationCheck]) -> list[TelemotionError | None]:
     """Return for each socket why it must end, None while it may go on.
 
     Notes
@@ -108,7 +108,7 @@ def answers(engine: Engine, questions: Sequence[RightQuestion]) -> list[Telemoti
         return refused
 
 
-def answers_apart(engine: Engine, questions: Sequence[RightQuestion]) -> list[Exception | None]:
+def answers_apart(engine: Engine, questions: Sequence[AuthorizationCheck]) -> list[Exception | None]:
     """Return the `answers`; what goes wrong with one question is the answer to it alone.
 
     Raises
@@ -126,7 +126,9 @@ def answers_apart(engine: Engine, questions: Sequence[RightQuestion]) -> list[Ex
         return [answer for one in questions for answer in answers_apart(engine, [one])]
 
 
-def _ended(question: RightQuestion, sign_ins: Mapping[str, Row[*tuple[Any, ...]]]) -> TelemotionError | None:
+def _ended(
+    question: AuthorizationCheck, sign_ins: Mapping[str, Row[*tuple[Any, ...]]]
+) -> TelemotionError | None:
     if question.subject.sign_in_id is None:
         return None
     try:

@@ -21,7 +21,7 @@ from app.scaled.wire import (
     pack_message,
 )
 from app.scaled.worker.connections import Connections
-from app.scaled.worker.outlet import Outlet
+from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.sessions import PartitionSessions
 
 logger = logging.getLogger(__name__)
@@ -29,7 +29,7 @@ logger = logging.getLogger(__name__)
 _VIEW = ("layout", "state", "health", "event", "calibration", "guidance", "blocks")
 
 
-class Questions:
+class AuthorizationChecks:
     """Answers what is asked of a partition.
 
     Parameters
@@ -42,12 +42,12 @@ class Questions:
     def __init__(
         self,
         sessions: PartitionSessions,
-        outlet: Outlet,
+        publisher: Publisher,
         connections: Connections,
         answer: Callable[[Request], Awaitable[Answer]],
         seal: Seal,
     ) -> None:
-        self._sessions, self._outlet, self._connections = sessions, outlet, connections
+        self._sessions, self._publisher, self._connections = sessions, publisher, connections
         self._answer, self._seal = answer, seal
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -58,7 +58,7 @@ class Questions:
         except NotSealed:
             logger.warning("what an edge wants is not from an edge of this service")
             return
-        self._outlet.hear(here)
+        self._publisher.hear(here)
         for session_id, connection in here.connections.items():
             try:
                 await self._connections.adopt(here.edge, session_id, connection)
@@ -84,7 +84,7 @@ class Questions:
 
     async def _look(self, look: Look) -> bytes:
         # From now on, so that nothing falls between what is answered and what is published.
-        self._outlet.want(look.edge, [topic(look.session_id, name) for name in _VIEW])
+        self._publisher.want(look.edge, [topic(look.session_id, name) for name in _VIEW])
         stored = await asyncio.to_thread(repository.load, self._sessions.engine, look.session_id)
         found = await self._sessions.first_messages(stored)
         return encode([pack_message(topic(look.session_id, one.type), one) for one in found])  # type: ignore[attr-defined]

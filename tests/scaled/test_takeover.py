@@ -15,7 +15,7 @@ from app.database import migrate
 from app.database.engine import create_from_url
 from app.limits import Limits
 from app.live.bus import MemoryBus
-from app.live.guidance.taken_up import taken_up
+from app.live.guidance.resume_state import taken_up
 from app.live.manager import LiveManager
 from app.live.repository import unfinished
 from app.live.session.checkpoint import capture, pack
@@ -27,7 +27,7 @@ from app.recordings.signals.store import read_packets_in_order, read_standing
 from app.scaled import fencing
 from app.scaled.checkpoints import save
 from app.scaled.fencing import Fence, fenced, take_over
-from app.scaled.taking_up import read_streamed
+from app.scaled.takeover import read_streamed
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.settings import Allowance, Settings
 from tests.app.conftest import build_world

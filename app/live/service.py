@@ -12,11 +12,11 @@ from sqlalchemy import Engine
 
 from app.ingest.contract import Intake
 from app.live.bus import Bus
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.messages import StateMessage
 from app.live.repository import StoredSession
-from app.live.rights.desk import RightsDesk
-from app.live.rights.questions import RightQuestion, answers_apart
+from app.live.rights.authorization_checks import AuthorizationCheck, answers_apart
+from app.live.rights.batcher import AuthorizationBatcher
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
@@ -33,7 +33,7 @@ GATHERED: Final = 0.2
 """Share of the time between two checks in which a socket's question waits for those of others."""
 
 
-class LiveSide(ABC):
+class LiveService(ABC):
     """Where gateways' packets go, and where views learn of sessions; implements `app.ingest.contract.PacketSink`.
 
     Parameters
@@ -48,7 +48,7 @@ class LiveSide(ABC):
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._check_cost_s = 0.0
-        self._rights = RightsDesk(self._ask_all, lambda: self._gather_s)
+        self._rights = AuthorizationBatcher(self._ask_all, lambda: self._gather_s)
 
     @abstractmethod
     async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
@@ -67,11 +67,11 @@ class LiveSide(ABC):
         """Run a small database read in the thread reserved for checks of open sockets."""
         return await self._timed(work, 1)
 
-    async def check_right(self, question: RightQuestion) -> None:
+    async def check_right(self, question: AuthorizationCheck) -> None:
         """Check the right of an open socket again, together with that of others that ask soon; raises typed errors."""
         await self._rights.check(question)
 
-    async def _ask_all(self, questions: Sequence[RightQuestion]) -> Sequence[Exception | None]:
+    async def _ask_all(self, questions: Sequence[AuthorizationCheck]) -> Sequence[Exception | None]:
         return await self._timed(partial(answers_apart, self.engine, questions), len(questions))
 
     async def _timed(self, work: Callable[[], Answer], sockets: int) -> Answer:
@@ -112,7 +112,7 @@ class LiveSide(ABC):
         self._checks.shutdown(cancel_futures=True)
 
 
-class SteeredSide(LiveSide):
+class SteeredLiveService(LiveService):
     """A live side whose sessions are live in this process: people steer them here."""
 
     @abstractmethod
@@ -120,7 +120,7 @@ class SteeredSide(LiveSide):
         """Return a live session; raises `Conflict` when no gateway has connected to it here."""
 
     @abstractmethod
-    def guidance(self, session_id: str) -> GuidanceDesk:
+    def guidance(self, session_id: str) -> GuidanceController:
         """Return the guidance of a live session; raises `Conflict` as `live`."""
 
     @abstractmethod

@@ -14,22 +14,22 @@ from sqlalchemy import Engine
 from app.errors import Conflict, Unavailable
 from app.live import repository
 from app.live.bus import MemoryBus
-from app.live.guidance.desk import GuidanceDesk
+from app.live.guidance.controller import GuidanceController
 from app.live.messages import StateMessage
+from app.live.service import SteeredLiveService
 from app.live.session.intake import Intake
 from app.live.session.runner import LiveSession
-from app.live.side import SteeredSide
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.scaled.broker import Broker
 from app.scaled.placement import share_of
 from app.scaled.wire import partition_of
-from app.scaled.worker.ending import end
+from app.scaled.worker.cancellation import end
 from app.scaled.worker.leases import Leases
 from app.scaled.worker.partition import Ask, Partition
-from app.scaled.worker.post import Post
 from app.scaled.worker.preparing import Preparation
 from app.scaled.worker.presence import others_of
+from app.scaled.worker.sender import EdgeSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.schemas import Schema
 from app.sentences import say
@@ -39,7 +39,7 @@ logger = logging.getLogger(__name__)
 LOOK_S: Final = 0.5
 
 
-class Worker(SteeredSide):
+class Worker(SteeredLiveService):
     """Holds partitions; steering finds the sessions of them here. Implements `app.scaled.worker.leases.Holder`.
 
     Parameters
@@ -51,7 +51,7 @@ class Worker(SteeredSide):
     def __init__(self, broker: Broker, engine: Engine, shared: OfWorker, name: str) -> None:
         super().__init__(engine, MemoryBus())
         self._broker, self._shared, self._name = broker, shared, name
-        self._post = Post(broker)
+        self._post = EdgeSender(broker)
         self._ask: Ask | None = None
         self.partitions: dict[int, Partition] = {}
         self.leases = Leases(broker, name, self, shared.settings.lease_seconds)
@@ -174,7 +174,7 @@ class Worker(SteeredSide):
         """Return a live session."""
         return self._sessions_of(session_id).live(session_id)
 
-    def guidance(self, session_id: str) -> GuidanceDesk:
+    def guidance(self, session_id: str) -> GuidanceController:
         """Return the guidance of a live session."""
         return self._sessions_of(session_id).guidance(session_id)
 

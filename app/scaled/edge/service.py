@@ -11,17 +11,17 @@ from app.database.base import new_id
 from app.errors import Conflict, Unavailable
 from app.limits import Hold, Limits
 from app.live import repository
-from app.live.rights.patience import Patience
-from app.live.rights.questions import RightQuestion
+from app.live.rights.authorization_checks import AuthorizationCheck
+from app.live.rights.grace_period import GracePeriod
+from app.live.service import LiveService
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_layout, stored_state
-from app.live.side import LiveSide
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.scaled.broker import Broker
 from app.scaled.edge.feed import FeedBus
 from app.scaled.edge.intake import EdgeIntake
-from app.scaled.edge.outbox import Outbox
+from app.scaled.edge.publisher import StreamPublisher
 from app.scaled.wire import (
     Answer,
     HelloEntry,
@@ -43,7 +43,7 @@ REQUEST_S: Final = 20.0
 CLOSE_S: Final = 3.0
 
 
-class EdgeSide(LiveSide):
+class EdgeLiveService(LiveService):
     """What sockets of an edge ask for.
 
     Parameters
@@ -58,7 +58,7 @@ class EdgeSide(LiveSide):
         super().__init__(engine, feed)
         self._broker, self._feed, self._limits = broker, feed, limits
         self._confirmation_hours = confirmation_hours
-        self._outboxes = [Outbox(broker, number) for number in range(broker.partitions)]
+        self._publishers = [StreamPublisher(broker, number) for number in range(broker.partitions)]
         self._holds: dict[str, Hold] = {}
         self._is_stopping = False
 
@@ -72,7 +72,7 @@ class EdgeSide(LiveSide):
         self._is_stopping = True
         for intake in list(self._feed.intakes.values()):
             intake.end(Unavailable(say("live.stopping"), reason="stopping"))
-        await asyncio.gather(*(one.close(CLOSE_S) for one in self._outboxes))
+        await asyncio.gather(*(one.close(CLOSE_S) for one in self._publishers))
         self.end_checks()
 
     def _partition(self, session_id: str) -> int:
@@ -87,18 +87,18 @@ class EdgeSide(LiveSide):
         )
         if stored.state not in OPEN or stored.is_ended:
             raise Conflict(say("live.closed"), state=stored.state)
-        right = RightQuestion(who, stored.id, "record")
-        patience = Patience()
+        right = AuthorizationCheck(who, stored.id, "record")
+        patience = GracePeriod()
 
         async def check_right() -> None:
             await patience.wait(self.check_right(right))
 
-        outbox, connection = self._outboxes[self._partition(stored.id)], new_id()
-        intake = EdgeIntake(stored.id, connection, declaration, outbox, check_right, self._detach)
+        publisher, connection = self._publishers[self._partition(stored.id)], new_id()
+        intake = EdgeIntake(stored.id, connection, declaration, publisher, check_right, self._detach)
         self._holds[connection] = self._limits.take("streams", who)
         self._feed.intakes[connection] = intake
         try:
-            outbox.put(HelloEntry(stored.id, connection, self._feed.edge, declaration.to_dict()))
+            publisher.put(HelloEntry(stored.id, connection, self._feed.edge, declaration.to_dict()))
             async with asyncio.timeout(WELCOME_S):
                 await intake.is_welcome.wait()
             if intake.ended.is_set():

@@ -5,18 +5,18 @@ from collections.abc import Awaitable, Callable, Sequence
 from types import TracebackType
 from typing import Final
 
-from app.live.rights.questions import RightQuestion
+from app.live.rights.authorization_checks import AuthorizationCheck
 
 MOST_AT_ONCE: Final = 128
 """Of one question to the database: it may hold the interpreter for a few milliseconds, no longer."""
 
-AskAll = Callable[[Sequence[RightQuestion]], Awaitable[Sequence[Exception | None]]]
+AskAll = Callable[[Sequence[AuthorizationCheck]], Awaitable[Sequence[Exception | None]]]
 
 _Answer = asyncio.Future[tuple[Exception | None, TracebackType | None]]
 """What a socket is refused with, and where that was raised."""
 
 
-class RightsDesk:
+class AuthorizationBatcher:
     """Where open sockets ask whether they may go on.
 
     Parameters
@@ -29,17 +29,17 @@ class RightsDesk:
 
     def __init__(self, ask_all: AskAll, gather_s: Callable[[], float]) -> None:
         self._ask_all, self._gather_s = ask_all, gather_s
-        self._waiting: list[tuple[RightQuestion, _Answer]] = []
+        self._waiting: list[tuple[AuthorizationCheck, _Answer]] = []
         self._timer: asyncio.TimerHandle | None = None
         self._asking: set[asyncio.Task[None]] = set()
 
-    async def check(self, question: RightQuestion) -> None:
+    async def check(self, question: AuthorizationCheck) -> None:
         """Return when a socket may go on; raise why it may not.
 
         Raises
         ------
         SignInRequired, NotFound, NotAllowed
-            See `app.live.rights.questions`.
+            See `app.live.rights.authorization_checks`.
         OperationalError, TimeoutError
             The database did not answer.
         """
@@ -80,7 +80,7 @@ class RightsDesk:
             self._asking.add(task)
             task.add_done_callback(self._asking.discard)
 
-    async def _answer(self, waiting: list[tuple[RightQuestion, _Answer]]) -> None:
+    async def _answer(self, waiting: list[tuple[AuthorizationCheck, _Answer]]) -> None:
         found: Sequence[Exception | None]
         try:
             found = await self._ask_all([question for question, _ in waiting])

@@ -2,8 +2,8 @@
 
 What comes for a session that is being opened waits for it. A session that is open and cannot be taken up at this
 moment, because the database is away or its kernels are being compiled, is tried again, and what comes for it waits as
-well: the stream forgets nothing of that (`Entries.taken`). Only what comes for a session that is closed, or not there
-any more, is left out, and counted.
+well: the stream forgets nothing of that (`StreamConsumer.taken`). Only what comes for a session that is closed, or not
+there any more, is left out, and counted.
 """
 
 import asyncio
@@ -23,7 +23,7 @@ from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
 from app.scaled.wire import Entry, HelloEntry, PacketEntry, Report, pack_error
 from app.scaled.worker.connections import Connections
-from app.scaled.worker.outlet import Outlet
+from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.senders import StreamSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.sentences import say
@@ -47,7 +47,7 @@ class _Opening:
         return any(isinstance(entry, PacketEntry) for _, entry in self.entries)
 
 
-class Entries:
+class StreamConsumer:
     """Gives what comes out of a partition's stream to its sessions; on the event loop's thread only.
 
     Parameters
@@ -60,11 +60,11 @@ class Entries:
         self,
         sessions: PartitionSessions,
         connections: Connections,
-        outlet: Outlet,
+        publisher: Publisher,
         engine: Engine,
         shared: OfWorker,
     ) -> None:
-        self._sessions, self._connections, self._outlet = sessions, connections, outlet
+        self._sessions, self._connections, self._publisher = sessions, connections, publisher
         self._engine, self._shared = engine, shared
         self._opening: dict[str, _Opening] = {}
         self._openers: set[asyncio.Task[None]] = set()
@@ -168,7 +168,7 @@ class Entries:
 
     def _refuse(self, hello: HelloEntry | None, error: TelemotionError) -> None:
         if hello is not None:
-            self._outlet.report(hello.edge, Report(hello.connection, "failed", error=pack_error(error)))
+            self._publisher.report(hello.edge, Report(hello.connection, "failed", error=pack_error(error)))
 
     @property
     def is_behind(self) -> bool:

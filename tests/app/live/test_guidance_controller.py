@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from app.assessment.design.dose import Dose
-from app.live.guidance.desk import GuidanceDesk
-from app.live.guidance.taken_up import TakenUp
+from app.live.guidance.controller import GuidanceController
+from app.live.guidance.resume_state import ResumeState
 from estimators.guidance import CountedRepetition, CuePace
 from estimators.pipelines import FrameLayout, Frames
 from tests.estimators.guidance.conftest import ready
@@ -30,12 +30,12 @@ def frames(angles: tuple[str, ...]) -> Frames:
     )
 
 
-def desk(told: list, dose: Dose | None = None) -> GuidanceDesk:
+def desk(told: list, dose: Dose | None = None) -> GuidanceController:
     guidance = SimpleNamespace(ready=ready(), valid_share=0.8, rules=(), stops=(), pace=CuePace())
-    return GuidanceDesk(
+    return GuidanceController(
         SimpleNamespace(guidance=guidance, dose=dose),
         0.01,
-        TakenUp(),
+        ResumeState(),
         lambda kind, time_s, *, text="", details=None: told.append((kind, text)),
         lambda message: None,
     )
@@ -63,7 +63,7 @@ def repetition(number: int, kind: str = "valid") -> CountedRepetition:
     return CountedRepetition(kind, number, 100 * number, 100 * number + 50, (1.0,), 0.0, 1.0)
 
 
-def count_up(guided: GuidanceDesk, numbers: range) -> None:
+def count_up(guided: GuidanceController, numbers: range) -> None:
     for number in numbers:
         guided._count(repetition(number), float(number), number + 0.5)
 

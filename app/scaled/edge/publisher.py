@@ -33,7 +33,7 @@ AGAIN_S: Final = 0.1
 Durable = Callable[[], None]
 
 
-class Outbox:
+class StreamPublisher:
     """Sends one partition's entries."""
 
     def __init__(self, broker: Broker, partition: int) -> None:
@@ -41,7 +41,7 @@ class Outbox:
         self._entries: list[tuple[Entry, Durable | None]] = []
         self._bytes = 0
         self._wake = asyncio.Event()
-        self._task = asyncio.create_task(self._send(), name=f"outbox {partition}")
+        self._task = asyncio.create_task(self._send(), name=f"publisher {partition}")
 
     def put(self, entry: Entry, durable: Durable | None = None) -> None:
         """Take an entry; `durable` is called once it is in the stream.

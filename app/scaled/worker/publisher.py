@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from app.live.bus import MemoryBus
 from app.scaled.wire import Here, Published, Report, pack_message
-from app.scaled.worker.post import Post
+from app.scaled.worker.sender import EdgeSender
 
 FORGET_S: Final = 3.0
 """An edge that says nothing for so long wants nothing any more."""
@@ -15,20 +15,20 @@ _FRAMES: Final = ("blocks", "frames")
 class _Wish:
     """What one edge wants; a listener of the partition's bus."""
 
-    def __init__(self, outlet: "Outlet", edge: str) -> None:
+    def __init__(self, publisher: "Publisher", edge: str) -> None:
         self.topics: tuple[str, ...] = ()
         self.edge, self.heard_s = edge, time.monotonic()
-        self._outlet = outlet
+        self._publisher = publisher
 
     def put(self, topic: str, message: Any) -> bool:
         """Take a message; False when frames are left out because the broker is behind."""
-        if topic.endswith(_FRAMES) and self._outlet.is_behind:
+        if topic.endswith(_FRAMES) and self._publisher.is_behind:
             return False
-        self._outlet.send(self.edge, pack_message(topic, message))
+        self._publisher.send(self.edge, pack_message(topic, message))
         return True
 
 
-class Outlet:
+class Publisher:
     """Sends edges what they want of a partition.
 
     Parameters
@@ -37,7 +37,7 @@ class Outlet:
         Of the partition.
     """
 
-    def __init__(self, post: Post, bus: MemoryBus, partition: int, fencing: int) -> None:
+    def __init__(self, post: EdgeSender, bus: MemoryBus, partition: int, fencing: int) -> None:
         self._post, self._bus, self._partition, self._fencing = post, bus, partition, fencing
         self._wishes: dict[str, _Wish] = {}
 

@@ -7,7 +7,7 @@ from typing import Any
 import nats
 
 from app.scaled.wire import Published, Report, decode_to_edge
-from app.scaled.worker.post import MESSAGE_BYTES, Post
+from app.scaled.worker.sender import MESSAGE_BYTES, EdgeSender
 
 
 class Client:
@@ -25,7 +25,7 @@ class Client:
 
 async def posted(client: Client, *turns: list[tuple[Any, ...]]) -> None:
     broker: Any = SimpleNamespace(client=client)
-    post = Post(broker)
+    post = EdgeSender(broker)
     post.start()
     for turn in turns:
         for given in turn:

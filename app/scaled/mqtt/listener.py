@@ -49,7 +49,7 @@ class OwnSession:
         return await self._sink.open(hello, declaration)
 
 
-class MqttDoor:
+class MqttListener:
     """Serves gateways that come by MQTT.
 
     Parameters
@@ -150,7 +150,7 @@ class MqttDoor:
                     await one.unsubscribe()
 
 
-def open_door(settings: Settings, broker: Broker, sink: PacketSink) -> MqttDoor:
+def open_listener(settings: Settings, broker: Broker, sink: PacketSink) -> MqttListener:
     """Return the door of an edge; it lets nobody in before its start."""
     most = settings.limit_streams.service
-    return MqttDoor(broker, sink, settings.stream_speed, most, settings.drain_seconds)
+    return MqttListener(broker, sink, settings.stream_speed, most, settings.drain_seconds)
