@@ -108,7 +108,7 @@ def guess_of_head(
         notes.append(say("guess.own_clocks", columns=sorted(set(clocks.values()))))
     notes += time.notes
     missing += time.missing
-    units = [one.unit or _unit_of_numbers(bodies, one, triples, time) for one in triples]
+    units = _units(bodies, triples, time)
     turning = {u for one, u in zip(triples, units, strict=True) if u and one.quantity == "gyroscope"}
     known = [
         _with_unit(bodies, one, u, turning, notes, missing) for one, u in zip(triples, units, strict=True)
@@ -181,6 +181,27 @@ def _with_unit(
         unit = _DEFAULT[one.quantity]
         notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=unit))
     return replace(one, unit=unit)
+
+
+def _units(bodies: list[Body], triples: list[Triple], time: TimeGuess) -> list[str]:
+    """Return the unit of each signal, by its name or its numbers; empty where neither says it.
+
+    Devices whose rows stand under the same headings have one unit. One that turns about the vertical looks as if it
+    rested in another: what turns as gravity does decides for all of them.
+    """
+    units = [one.unit or _unit_of_numbers(bodies, one, triples, time) for one in triples]
+    for columns, quantity in {(one.columns, one.quantity) for one in triples if not one.unit}:
+        same = [at for at, one in enumerate(triples) if (one.columns, one.quantity) == (columns, quantity)]
+        if quantity == "gyroscope" and len({units[at] for at in same}) > 1:
+            turned = {
+                _unit_of_rows(body, triples[at], triples, time, is_brief=True)
+                for at in same
+                for body in bodies
+            }
+            if len(turned - {""}) == 1:
+                (unit,) = turned - {""}
+                units = [unit if at in same else one for at, one in enumerate(units)]
+    return units
 
 
 def _unit_of_numbers(bodies: list[Body], one: Triple, all_: list[Triple], time: TimeGuess) -> str:

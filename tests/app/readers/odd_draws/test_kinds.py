@@ -330,3 +330,23 @@ def test_rows_of_kinds_may_begin_with_those_of_the_field(tmp_path):
     rows[30][-1] = "1"
     found, _ = read(tmp_path, "time,sensor,x,y,z,button", rows)
     is_as_measured(found.sensors["imu"], GYROSCOPE[:N])
+
+
+def test_devices_under_the_same_headings_have_one_unit(tmp_path):
+    noise = 0.01 * np.random.default_rng(4).standard_normal((2, N, 6))
+    at_s = np.arange(N) / 100.0
+    rate, angle = 1.5 * np.cos(at_s), 1.5 * np.sin(at_s)
+    about_x = np.column_stack(
+        [rate, 0 * rate, 0 * rate, 0 * rate, 9.81 * np.sin(angle), 9.81 * np.cos(angle)]
+    )
+    # By itself it looks as one that rests and counts degrees.
+    about_vertical = np.tile([0.0, 0.0, 2.0, 0.0, 0.0, 9.81], (N, 1))
+    turned, steady = about_x + noise[0], about_vertical + noise[1]
+    head = "time,device,gx,gy,gz,ax,ay,az"
+    found, said = read(tmp_path, head, in_turns(device("a", numbers(turned)), device("b", numbers(steady))))
+    for name, values in (("a", turned), ("b", steady)):
+        np.testing.assert_allclose(found.sensors[name].gyroscope_radps, values[:, :3], atol=1e-4)
+    assert "guess.unit_assumed" not in said
+    # Beside one that rests nothing turns as gravity does: what is taken over is said.
+    _, said = read(tmp_path, head, in_turns(device("a", ROWS), device("b", numbers(steady))))
+    assert "guess.unit_of_others" in said
