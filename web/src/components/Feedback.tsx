@@ -113,7 +113,7 @@ interface Asked<T> {
 }
 
 /** One question to the service: waiting, failed, or its answer. */
-export function Answer<T>({
+export function QueryBoundary<T>({
   of,
   children,
   lines,

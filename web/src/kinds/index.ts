@@ -5,8 +5,8 @@ import { isOfLegs } from '../lib/placements';
 import type { SessionKind } from './kind';
 
 /** By the path of their file. */
-export const FACTS = import.meta.glob<SessionKind>('./*/facts.ts', { eager: true, import: 'kind' });
-export const KINDS: readonly SessionKind[] = Object.values(FACTS).sort((one, other) => one.rank - other.rank);
+export const MANIFESTS = import.meta.glob<SessionKind>('./*/manifest.ts', { eager: true, import: 'kind' });
+export const KINDS: readonly SessionKind[] = Object.values(MANIFESTS).sort((one, other) => one.rank - other.rank);
 
 /** The kind with which an exercise is done. */
 export function kindFor(movement: string | undefined): SessionKind {

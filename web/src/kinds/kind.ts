@@ -100,7 +100,7 @@ export interface SessionKind {
 }
 
 /** Its components; apart, so that a page that asks for a word does not load them. */
-export interface KindParts {
+export interface KindPanels {
   /** Its questions for a new session, inside a `BeginForm`. */
   Begin?: Part<BeginProps>;
   live: {

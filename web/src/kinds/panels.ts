@@ -1,13 +1,13 @@
 // What the pages of a session show of its kind.
 import type { SessionDetail } from '../api/types';
-import { FACTS, kindOf } from '.';
-import type { KindParts } from './kind';
+import { MANIFESTS, kindOf } from '.';
+import type { KindPanels } from './kind';
 
-const PARTS = import.meta.glob<KindParts>('./*/parts.tsx', { eager: true, import: 'parts' });
+const PANELS = import.meta.glob<KindPanels>('./*/panels.tsx', { eager: true, import: 'panels' });
 
 /** The components of a session's kind. */
-export function partsOf(session: Pick<SessionDetail, 'pipeline'>): KindParts {
+export function panelsOf(session: Pick<SessionDetail, 'pipeline'>): KindPanels {
   const kind = kindOf(session);
-  const folder = Object.keys(FACTS).find((path) => FACTS[path] === kind) ?? '';
-  return PARTS[folder.replace('facts.ts', 'parts.tsx')]!;
+  const folder = Object.keys(MANIFESTS).find((path) => MANIFESTS[path] === kind) ?? '';
+  return PANELS[folder.replace('manifest.ts', 'panels.tsx')]!;
 }

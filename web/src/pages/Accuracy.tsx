@@ -5,7 +5,7 @@ import { useAccuracy } from '../api/queries';
 import type { AccuracyFigure, AccuracyPlot, AccuracyProtocol, AccuracyReport } from '../api/types';
 import { LineChart } from '../charts/LineChart';
 import { CopyBox } from '../components/CopyBox';
-import { Answer } from '../components/Feedback';
+import { QueryBoundary } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { figure, isJudged, unitSign } from '../lib/assessment/figures';
@@ -232,9 +232,9 @@ export function AccuracyPage() {
   const report = useAccuracy();
   return (
     <Page title={t('accuracy.title')} lead={t('accuracy.lead')}>
-      <Answer of={report} lines={8} height={40}>
+      <QueryBoundary of={report} lines={8} height={40}>
         {(data) => <Report report={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

@@ -5,7 +5,7 @@ import { Link } from 'react-router';
 import { useCaseload, useDemonstration } from '../api/queries';
 import type { CaseloadRow } from '../api/types';
 import { Sparkline } from '../charts/Sparkline';
-import { Answer, Empty, ShowMore } from '../components/Feedback';
+import { QueryBoundary, Empty, ShowMore } from '../components/Feedback';
 import { LiveMark, ReasonMark, SideMark } from '../components/Marks';
 import { SeenButton, WorryText } from '../components/Worries';
 import { Page } from '../components/Page';
@@ -268,9 +268,9 @@ export function CaseloadPage() {
       }
     >
       <PastSessions />
-      <Answer of={caseload} lines={8} height={44}>
+      <QueryBoundary of={caseload} lines={8} height={44}>
         {(rows) => <Rows rows={rows} of={caseload} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

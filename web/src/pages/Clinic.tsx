@@ -9,7 +9,7 @@ import { useAccounts, usePatients } from '../api/queries';
 import type { Account, Role } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { Confirm } from '../components/forms/Confirm';
-import { Answer, Problem } from '../components/Feedback';
+import { QueryBoundary, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
@@ -205,7 +205,7 @@ export function ClinicPage() {
           <div className="card-head">
             <h2 id="accounts">{t('clinic.accounts')}</h2>
           </div>
-          <Answer of={accounts} lines={5}>
+          <QueryBoundary of={accounts} lines={5}>
             {(list) => (
               <ul className="plain-list lines">
                 {list.map((one) => (
@@ -213,7 +213,7 @@ export function ClinicPage() {
                 ))}
               </ul>
             )}
-          </Answer>
+          </QueryBoundary>
           <p className="muted small">{t('clinic.devices')}</p>
         </section>
         {me.role === 'administrator' && <ClinicCard />}

@@ -2,7 +2,7 @@
 import { Select } from '@mantine/core';
 import { useChangeClinic } from '../api/changes';
 import { useClinic } from '../api/queries';
-import { Answer, Problem } from '../components/Feedback';
+import { QueryBoundary, Problem } from '../components/Feedback';
 import { t } from '../i18n';
 
 /** Names of places as the browser knows them, with those that must be there in any case. */
@@ -16,7 +16,7 @@ export function ClinicCard() {
   return (
     <section className="card stack" aria-labelledby="clinic-zone">
       <h2 id="clinic-zone">{t('clinic.settings')}</h2>
-      <Answer of={clinic} lines={2}>
+      <QueryBoundary of={clinic} lines={2}>
         {(found) => (
           <Select
             label={t('clinic.zone')}
@@ -31,7 +31,7 @@ export function ClinicCard() {
             onChange={(zone) => zone && change.mutate({ time_zone: zone })}
           />
         )}
-      </Answer>
+      </QueryBoundary>
       {change.error ? (
         <Problem error={change.error} />
       ) : change.data ? (

@@ -3,7 +3,7 @@ import { useDisclosure } from '@mantine/hooks';
 import { IconRouteOff } from '@tabler/icons-react';
 import { Link, useParams, useSearchParams } from 'react-router';
 import { useExercises, usePatient, useTemplates } from '../api/queries';
-import { Answer, Empty, Problem } from '../components/Feedback';
+import { QueryBoundary, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { isWalk } from '../lib/exercises';
 import { t } from '../i18n';
@@ -53,7 +53,7 @@ export function ExercisePage() {
     >
       {exercises.error && <Problem error={exercises.error} />}
       <div className="stack">
-        <Answer of={templates} lines={6} height={44}>
+        <QueryBoundary of={templates} lines={6} height={44}>
           {(list) =>
             list.length === 0 ? (
               <div className="card">
@@ -75,7 +75,7 @@ export function ExercisePage() {
               ))
             )
           }
-        </Answer>
+        </QueryBoundary>
       </div>
       <Modal
         opened={isEdited}

@@ -8,7 +8,7 @@ import { useExercises } from '../api/queries';
 import type { Exercise, ExerciseIn, Posture } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { ExerciseWords, PostureChoice } from '../components/forms/ExerciseFields';
-import { Answer, Empty, Problem } from '../components/Feedback';
+import { QueryBoundary, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
@@ -141,7 +141,7 @@ export function ExercisesPage() {
         </>
       }
     >
-      <Answer of={exercises} lines={5} height={60}>
+      <QueryBoundary of={exercises} lines={5} height={60}>
         {(list) =>
           list.length === 0 ? (
             <div className="card">
@@ -161,7 +161,7 @@ export function ExercisesPage() {
             </ul>
           )
         }
-      </Answer>
+      </QueryBoundary>
       <TemplateLibrary exercises={exercises.data ?? []} />
       <Modal
         opened={isOpen}

@@ -2,7 +2,7 @@ import { Button, PasswordInput, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useBeginSecondFactor, useConfirmSecondFactor, useRemoveSecondFactor } from '../api/changes';
 import { useSecondFactor } from '../api/queries';
-import { Answer, Notice, Problem } from '../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../components/Feedback';
 import { QrCode } from '../components/account/QrCode';
 import { t } from '../i18n';
 import { date } from '../lib/format';
@@ -20,7 +20,7 @@ export function SecondFactorCard() {
   return (
     <section className="card stack form-card" aria-labelledby="second-factor">
       <h2 id="second-factor">{t('second.title')}</h2>
-      <Answer of={state} lines={2}>
+      <QueryBoundary of={state} lines={2}>
         {(found) => {
           if (confirm.data) return <RecoveryCodes codes={confirm.data.codes} />;
           if (found.is_on) return <TurnOff since={found.since ?? ''} left={found.recovery_codes_left} />;
@@ -52,7 +52,7 @@ export function SecondFactorCard() {
             </form>
           );
         }}
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

@@ -4,7 +4,7 @@ import { useConsents } from '../../api/queries';
 import type { ConsentIn } from '../../api/types';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
-import { Answer, Problem } from '../Feedback';
+import { QueryBoundary, Problem } from '../Feedback';
 import { useSignedIn } from './useSignedIn';
 
 const PURPOSES: readonly ConsentIn['purpose'][] = ['treatment', 'home_streaming', 'research'];
@@ -23,7 +23,7 @@ export function Consents({ patientId, mayChange = true }: { patientId: string; m
       <h2 id="consents">{t(isOwn ? 'mine.consents' : 'consent.title')}</h2>
       {!isOwn && <p className="muted small">{t('consent.lead')}</p>}
       {change.error && <Problem error={change.error} />}
-      <Answer of={consents} lines={3}>
+      <QueryBoundary of={consents} lines={3}>
         {(list) => (
           <>
             {PURPOSES.map((purpose) => {
@@ -46,7 +46,7 @@ export function Consents({ patientId, mayChange = true }: { patientId: string; m
             })}
           </>
         )}
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

@@ -2,7 +2,7 @@
 import { useState } from 'react';
 import { useEstimators } from '../../api/queries';
 import type { Estimator, Placement } from '../../api/types';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { Advanced } from '../../components/forms/Advanced';
 import { RadioCards } from '../../components/forms/Choice';
 import { PlacementChoice } from '../../components/forms/PlacementChoice';
@@ -88,7 +88,7 @@ function EstimatorChoice({ value, onChange }: EstimatorProps) {
   const estimators = useEstimators();
   const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
   return (
-    <Answer of={estimators} lines={2}>
+    <QueryBoundary of={estimators} lines={2}>
       {(list) => {
         const live = list.filter((one) => !one.is_offline);
         const chosen = { value: value ?? live[0]?.name ?? '', onChange };
@@ -113,6 +113,6 @@ function EstimatorChoice({ value, onChange }: EstimatorProps) {
           </div>
         );
       }}
-    </Answer>
+    </QueryBoundary>
   );
 }

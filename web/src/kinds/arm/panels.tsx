@@ -1,7 +1,7 @@
 // Arms and trunk: calibrated, joint angles against a template.
 import { t } from '../../i18n';
 import { JointCurves } from '../JointCurves';
-import type { KindParts, LiveProps } from '../kind';
+import type { KindPanels, LiveProps } from '../kind';
 import { BeginArm } from './BeginArm';
 import { SessionActions } from './SessionActions';
 import { useFollowed } from './useFollowed';
@@ -12,7 +12,7 @@ function Curves(props: LiveProps) {
   return <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden templateAt={templateAt} />;
 }
 
-export const parts: KindParts = {
+export const panels: KindPanels = {
   Begin: BeginArm,
   live: { Curves },
   replay: { angles: () => t('traces.title'), Actions: SessionActions },

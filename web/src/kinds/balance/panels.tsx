@@ -7,11 +7,11 @@ import { byHand } from '../../api/client';
 import measures from '../../api/measures.json';
 import { question } from '../../api/queries';
 import type { Named } from '../../api/types';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, position, quantity } from '../../lib/format';
-import type { KindParts, LiveProps, ReplayProps } from '../kind';
+import type { KindPanels, LiveProps, ReplayProps } from '../kind';
 import { levelled, measureText, readLean, rootMeanSquare, type LeanNow } from './sway';
 
 type Balance = Named<'BalanceTestOut'>;
@@ -265,7 +265,7 @@ function Panel({ session, resultId, player, onSeek }: ReplayProps) {
   return (
     <>
       <h2 className="visually-hidden">{t('stand.result')}</h2>
-      <Answer of={found} lines={8}>
+      <QueryBoundary of={found} lines={8}>
         {({ trials, romberg, reasons, placement }) => {
           const stood = trials.filter((one) => one.ellipse);
           const reached = trials.filter((one) => one.condition === 'reach' && one.measures.length > 0);
@@ -318,12 +318,12 @@ function Panel({ session, resultId, player, onSeek }: ReplayProps) {
             </div>
           );
         }}
-      </Answer>
+      </QueryBoundary>
     </>
   );
 }
 
-export const parts: KindParts = {
+export const panels: KindPanels = {
   live: { Start: Tests, Side: Now },
   replay: { tab: { value: 'balance', title: () => t('stand.result'), Panel } },
 };

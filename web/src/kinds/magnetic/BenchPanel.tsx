@@ -4,7 +4,7 @@ import { useState, type FormEvent } from 'react';
 import { useCalibrateSource } from '../../api/changes';
 import { useSourceStops } from '../../api/queries';
 import type { SourceStops } from '../../api/types';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { number, spreadAlone } from '../../lib/format';
 import { placesOf, type Place } from './magneticSetup';
@@ -116,9 +116,9 @@ export function BenchPanel({ sessionId }: { sessionId: string }) {
       <summary>{t('sources.calibrate')}</summary>
       <p className="muted small">{t('sources.calibrateHelp')}</p>
       {isOpen ? (
-        <Answer of={stops} lines={4}>
+        <QueryBoundary of={stops} lines={4}>
           {(found) => <Form sessionId={sessionId} found={found} />}
-        </Answer>
+        </QueryBoundary>
       ) : (
         <Button variant="default" onClick={() => setOpen(true)}>
           {t('sources.find')}

@@ -6,7 +6,7 @@ import { useConfirmNoImplants, useWithdrawSafety } from '../../api/changes';
 import { useMagneticSafety } from '../../api/queries';
 import type { MagneticSafety, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { dateTime, spreadAlone } from '../../lib/format';
 import { isSafe, UNASKED } from './magneticSetup';
@@ -39,7 +39,7 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
   const withdraw = useWithdrawSafety(session.id);
   const [said, setSaid] = useState(UNASKED);
   return (
-    <Answer of={asked} lines={3}>
+    <QueryBoundary of={asked} lines={3}>
       {(safety) =>
         safety.confirmed ? (
           <Notice icon={<IconShieldCheck size={22} aria-hidden />}>
@@ -100,6 +100,6 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
           </section>
         )
       }
-    </Answer>
+    </QueryBoundary>
   );
 }

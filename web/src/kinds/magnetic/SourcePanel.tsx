@@ -4,7 +4,7 @@ import { useSourceUse } from '../../api/queries';
 import type { SourceUse } from '../../api/types';
 import { LineChart } from '../../charts/LineChart';
 import { Traces } from '../../charts/Traces';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, quantity, spreadAlone } from '../../lib/format';
@@ -147,7 +147,7 @@ export function SourcePanel({ sessionId, resultId, player, distances, onSeek }: 
           <p className="muted small">{t('magnetic.curveHelp')}</p>
           <Traces player={player} channels={distances} onSeek={onSeek} />
         </section>
-        <Answer of={use} lines={6}>
+        <QueryBoundary of={use} lines={6}>
           {(data) => (
             <>
               <section aria-labelledby="pulses">
@@ -160,7 +160,7 @@ export function SourcePanel({ sessionId, resultId, player, distances, onSeek }: 
               <BenchPanel sessionId={sessionId} />
             </>
           )}
-        </Answer>
+        </QueryBoundary>
       </div>
     </>
   );

@@ -6,7 +6,7 @@ import { useKeepSource, useRetireSource } from '../../api/changes';
 import { useMagneticSources } from '../../api/queries';
 import type { MagneticSource, MagneticSourceIn } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
-import { Answer, Problem } from '../../components/Feedback';
+import { QueryBoundary, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { day, spreadAlone } from '../../lib/format';
 
@@ -91,7 +91,7 @@ export function SourcesCard() {
         </p>
       )}
       {keep.error && <Problem error={keep.error} />}
-      <Answer of={sources} lines={2}>
+      <QueryBoundary of={sources} lines={2}>
         {(list) =>
           list.length === 0 ? (
             <p>{t('sources.none')}</p>
@@ -103,7 +103,7 @@ export function SourcesCard() {
             </ul>
           )
         }
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

@@ -3,7 +3,7 @@ import { useMemo } from 'react';
 import type { SessionDetail } from '../../api/types';
 import { t } from '../../i18n';
 import { JointCurves } from '../JointCurves';
-import type { KindParts, LiveProps, ReplayProps } from '../kind';
+import type { KindPanels, LiveProps, ReplayProps } from '../kind';
 import { WalkLink } from '../walk/views/WalkLink';
 import { BeginSource } from './BeginSource';
 import { LiveSource, SourceStart } from './LiveSource';
@@ -38,7 +38,7 @@ const Actions = ({ session }: { session: SessionDetail }) =>
     <WalkLink sessionId={session.id} />
   ) : null;
 
-export const parts: KindParts = {
+export const panels: KindPanels = {
   Begin: BeginSource,
   live: {
     First: ({ session }) => <SafetyCard session={session} />,

@@ -1,4 +1,4 @@
 // Single sensors: what is known of them is in the details and in the files of the result.
-import type { KindParts } from '../kind';
+import type { KindPanels } from '../kind';
 
-export const parts: KindParts = { live: {}, replay: { Actions: () => null } };
+export const panels: KindPanels = { live: {}, replay: { Actions: () => null } };

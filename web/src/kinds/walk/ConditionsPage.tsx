@@ -5,7 +5,7 @@ import { useMemo, useState } from 'react';
 import { useParams } from 'react-router';
 import { useConditions, usePatient, useWalks } from '../../api/queries';
 import type { Conditions, MeasureChange, WalkRow } from '../../api/types';
-import { Answer, Empty } from '../../components/Feedback';
+import { QueryBoundary, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
@@ -142,9 +142,9 @@ function Choice({ patientId, walks }: { patientId: string; walks: readonly WalkR
         {a.length === 0 || b.length === 0 ? (
           <p className="muted">{t('conditions.need')}</p>
         ) : (
-          <Answer of={found} lines={6}>
+          <QueryBoundary of={found} lines={6}>
             {(data) => <Result found={data} names={names} />}
-          </Answer>
+          </QueryBoundary>
         )}
       </section>
     </div>
@@ -158,7 +158,7 @@ export function ConditionsPage() {
   const name = patient.data ? fullName(patient.data) : '';
   return (
     <Page title={t('conditions.title')} lead={t('conditions.lead')} crumbs={patientCrumbs(patientId, name)}>
-      <Answer of={walks} lines={6}>
+      <QueryBoundary of={walks} lines={6}>
         {(list) =>
           list.length === 0 ? (
             <Empty icon={<IconShoe size={42} aria-hidden />} title={t('conditions.noWalks')}>
@@ -168,7 +168,7 @@ export function ConditionsPage() {
             <Choice patientId={patientId} walks={list} />
           )
         }
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

@@ -6,7 +6,7 @@ import { Link, useParams, useSearchParams } from 'react-router';
 import { useGait, usePatient, useSession, useWalks } from '../../api/queries';
 import type { CycleCurve, Gait, Patient } from '../../api/types';
 import { CycleChart, CycleLegend } from '../../charts/CycleChart';
-import { Answer, Empty, Problem } from '../../components/Feedback';
+import { QueryBoundary, Empty, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
@@ -148,9 +148,9 @@ export function GaitPage() {
         </>
       }
     >
-      <Answer of={gait} lines={8} height={50}>
+      <QueryBoundary of={gait} lines={8} height={50}>
         {(data) => <Loaded key={data.session_id} gait={data} patient={patient.data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

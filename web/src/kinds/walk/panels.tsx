@@ -3,7 +3,7 @@ import { useMemo } from 'react';
 import { Traces } from '../../charts/Traces';
 import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
-import type { KindParts, LiveProps, ReplayProps } from '../kind';
+import type { KindPanels, LiveProps, ReplayProps } from '../kind';
 import { MakeTemplate } from '../MakeTemplate';
 import { BeginWalk } from './BeginWalk';
 import { FootCurves } from './views/FootCurves';
@@ -41,7 +41,7 @@ const Side = ({ session, player, columns }: LiveProps) =>
 
 const Panel = ({ session }: ReplayProps) => <WalkPanel sessionId={session.id} patientId={session.patient_id} />;
 
-export const parts: KindParts = {
+export const panels: KindPanels = {
   Begin: BeginWalk,
   live: { Guide, Curves, Side },
   Report: WalkSheets,

@@ -4,7 +4,7 @@ import { useState } from 'react';
 import { useCalibrations } from '../../api/queries';
 import type { CalibrationGuide, CalibrationIn, CalibrationKind, Placement } from '../../api/types';
 import { RadioCards } from '../../components/forms/Choice';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { wornLimbs } from '../../lib/placements';
 import { placementLabel } from '../../lib/channels';
@@ -105,7 +105,7 @@ export function CalibrationChoice({
 }: ChoiceProps) {
   const guides = useCalibrations();
   return (
-    <Answer of={guides} lines={5}>
+    <QueryBoundary of={guides} lines={5}>
       {(list) => {
         const usual = list.find((one) => one.kind === USUAL);
         const step = usual?.steps[0];
@@ -173,6 +173,6 @@ export function CalibrationChoice({
           </section>
         );
       }}
-    </Answer>
+    </QueryBoundary>
   );
 }

@@ -1,7 +1,7 @@
 import { useAudit, useGrants } from '../../api/queries';
 import { AuditList } from '../../components/account/AuditList';
 import { Consents } from '../../components/account/Consents';
-import { Answer, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
@@ -16,7 +16,7 @@ function MyData({ patientId }: { patientId: string }) {
       <div className="stack">
         <section className="card" aria-labelledby="who-may">
           <h2 id="who-may">{t('mine.whoMay')}</h2>
-          <Answer of={grants} lines={2}>
+          <QueryBoundary of={grants} lines={2}>
             {(list) =>
               list.length === 0 ? (
                 <p className="muted">{t('mine.nobody')}</p>
@@ -31,7 +31,7 @@ function MyData({ patientId }: { patientId: string }) {
                 </ul>
               )
             }
-          </Answer>
+          </QueryBoundary>
         </section>
         <Consents patientId={patientId} />
         <section className="card stack" aria-labelledby="take-along">
@@ -43,9 +43,9 @@ function MyData({ patientId }: { patientId: string }) {
         </section>
         <section className="card" aria-labelledby="looked">
           <h2 id="looked">{t('mine.looked')}</h2>
-          <Answer of={audit} lines={5}>
+          <QueryBoundary of={audit} lines={5}>
             {(entries) => <AuditList entries={entries} />}
-          </Answer>
+          </QueryBoundary>
           <ShowMore of={audit} />
         </section>
       </div>

@@ -2,7 +2,7 @@ import { IconCheck, IconChevronRight } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { ProgressMeasure, Session } from '../../api/types';
-import { Answer, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
@@ -81,7 +81,7 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
   return (
     <section className="card">
       <h2>{name}</h2>
-      <Answer of={progress} lines={3}>
+      <QueryBoundary of={progress} lines={3}>
         {(data) => {
           const main = mainMeasure(data.measures);
           return (
@@ -91,7 +91,7 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
             </>
           );
         }}
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }
@@ -158,7 +158,7 @@ function Results({ patientId }: { patientId: string }) {
   return (
     <Page narrow title={t('nav.myResults')} lead={t('mine.resultsLead')}>
       <div className="stack">
-        <Answer of={prescriptions} lines={3}>
+        <QueryBoundary of={prescriptions} lines={3}>
           {(list) => (
             <>
               {[...new Map(list.map((one) => [one.exercise_id, one.exercise_name])).entries()].map(([id, name]) => (
@@ -166,14 +166,14 @@ function Results({ patientId }: { patientId: string }) {
               ))}
             </>
           )}
-        </Answer>
+        </QueryBoundary>
         <Calendar
           at={(sessions.data ?? []).filter((one) => one.state === 'analysed' && one.purpose !== 'template').map(begun)}
           isWhole={!sessions.hasNextPage}
         />
         <section className="card">
           <h2>{t('mine.sessions')}</h2>
-          <Answer of={sessions} lines={4}>
+          <QueryBoundary of={sessions} lines={4}>
             {(list) => {
               const done = list.filter((one) => one.state === 'analysed' || one.state === 'closing');
               if (done.length === 0) return <p className="muted">{t('mine.noSessions')}</p>;
@@ -192,7 +192,7 @@ function Results({ patientId }: { patientId: string }) {
                 </section>
               ));
             }}
-          </Answer>
+          </QueryBoundary>
           <ShowMore of={sessions} />
         </section>
       </div>

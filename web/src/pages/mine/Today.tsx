@@ -6,7 +6,7 @@ import { Link, useNavigate } from 'react-router';
 import { useNewSession } from '../../api/changes';
 import { useExercises, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { Me, Prescription, Session, SessionIn } from '../../api/types';
-import { Answer, Empty } from '../../components/Feedback';
+import { QueryBoundary, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
@@ -150,7 +150,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
             </Button>
           </section>
         )}
-        <Answer of={prescriptions} lines={4} height={60}>
+        <QueryBoundary of={prescriptions} lines={4} height={60}>
           {(list) =>
             list.length === 0 ? (
               <div className="card">
@@ -166,12 +166,12 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
               </ul>
             )
           }
-        </Answer>
+        </QueryBoundary>
         <section className="card">
           <h2>{t('mine.how')}</h2>
-          <Answer of={progress} lines={2}>
+          <QueryBoundary of={progress} lines={2}>
             {(data) => <HowItGoes measures={data.measures} />}
-          </Answer>
+          </QueryBoundary>
           <Link to="/my/results" className="mine-link">
             {t('mine.seeResults')}
           </Link>

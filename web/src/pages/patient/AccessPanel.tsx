@@ -9,7 +9,7 @@ import { AuditList } from '../../components/account/AuditList';
 import { RadioCards } from '../../components/forms/Choice';
 import { DateField, isDateOrEmpty } from '../../components/forms/DateField';
 import { Confirm } from '../../components/forms/Confirm';
-import { Answer, Problem, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, Problem, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 
@@ -111,7 +111,7 @@ export function AccessPanel({ patient }: { patient: Patient }) {
           </Button>
         )}
       </div>
-      <Answer of={grants} lines={2}>
+      <QueryBoundary of={grants} lines={2}>
         {(list) => (
           <ul className="plain-list lines">
             {list.map((one) => (
@@ -119,7 +119,7 @@ export function AccessPanel({ patient }: { patient: Patient }) {
             ))}
           </ul>
         )}
-      </Answer>
+      </QueryBoundary>
       <Button
         mt={14}
         variant="subtle"
@@ -146,7 +146,7 @@ export function AccessPanel({ patient }: { patient: Patient }) {
         title={t('audit.open')}
         closeButtonProps={{ 'aria-label': t('action.close') }}
       >
-        <Answer of={audit}>{(entries) => <AuditList entries={entries} />}</Answer>
+        <QueryBoundary of={audit}>{(entries) => <AuditList entries={entries} />}</QueryBoundary>
         <ShowMore of={audit} />
       </Modal>
     </section>

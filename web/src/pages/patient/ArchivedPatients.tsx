@@ -2,7 +2,7 @@ import { useEffect } from 'react';
 import { IconArchive } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { useArchivedPatients } from '../../api/queries';
-import { Answer, Empty, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, Empty, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { holdsWords } from '../../lib/assessment/caseload';
 import { date } from '../../lib/format';
@@ -18,7 +18,7 @@ export function ArchivedPatients({ search = '' }: { search?: string }) {
   }, [looksForMore, fetchNextPage]);
   return (
     <div className="card">
-      <Answer of={patients} lines={3}>
+      <QueryBoundary of={patients} lines={3}>
         {(list) => {
           const shown = list.filter((one) => holdsWords(fullName(one), search));
           return shown.length === 0 ? (
@@ -39,7 +39,7 @@ export function ArchivedPatients({ search = '' }: { search?: string }) {
             </ul>
           );
         }}
-      </Answer>
+      </QueryBoundary>
       <ShowMore of={patients} />
     </div>
   );

@@ -7,7 +7,7 @@ import { useDeviceTokens } from '../../api/queries';
 import type { DeviceToken, Patient } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { CopyBox } from '../../components/CopyBox';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { Pairing } from '../../components/account/Pairing';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
@@ -122,7 +122,7 @@ export function DevicePanel({ patient }: { patient: Patient }) {
           {t('device.add')}
         </Button>
       </div>
-      <Answer of={tokens} lines={2}>
+      <QueryBoundary of={tokens} lines={2}>
         {(list) => {
           const valid = list.filter((one) => !one.revoked_at);
           return valid.length === 0 ? (
@@ -135,7 +135,7 @@ export function DevicePanel({ patient }: { patient: Patient }) {
             </ul>
           );
         }}
-      </Answer>
+      </QueryBoundary>
       <Modal
         opened={isOpen}
         onClose={done}

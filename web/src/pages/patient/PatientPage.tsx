@@ -6,7 +6,7 @@ import { Link, useParams } from 'react-router';
 import { usePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
 import { Consents } from '../../components/account/Consents';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { SideMark } from '../../components/Marks';
 import { Page } from '../../components/Page';
 import { PatientForm } from '../../components/forms/PatientForm';
@@ -144,9 +144,9 @@ export function PatientPage() {
         )
       }
     >
-      <Answer of={patient} lines={8} height={40}>
+      <QueryBoundary of={patient} lines={8} height={40}>
         {(data) => <Loaded key={data.id} patient={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

@@ -6,7 +6,7 @@ import { useEndPrescription } from '../../api/changes';
 import { useExercises, usePrescriptions } from '../../api/queries';
 import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, exerciseOf } from '../../lib/exercises';
 import { date, number } from '../../lib/format';
@@ -170,7 +170,7 @@ export function PrescriptionPanel({ patient }: { patient: Patient }) {
           </Button>
         )}
       </div>
-      <Answer of={prescriptions} lines={3}>
+      <QueryBoundary of={prescriptions} lines={3}>
         {(list) =>
           list.length === 0 ? (
             <p className="muted">{t('prescription.none')}</p>
@@ -182,7 +182,7 @@ export function PrescriptionPanel({ patient }: { patient: Patient }) {
             </ul>
           )
         }
-      </Answer>
+      </QueryBoundary>
       <Modal
         opened={isOpen}
         onClose={dialog.close}

@@ -5,7 +5,7 @@ import { Link } from 'react-router';
 import { useEstimators, usePrescriptions, useProgress } from '../../api/queries';
 import type { Progress, ProgressMeasure } from '../../api/types';
 import { BandLegend, EventStrip, ProgressChart } from '../../charts/ProgressChart';
-import { Answer, Empty } from '../../components/Feedback';
+import { QueryBoundary, Empty } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isSure, judgedBy, trendNotes, trendText } from '../../lib/assessment/trend';
 import { quantity } from '../../lib/format';
@@ -119,9 +119,9 @@ export function ProgressPanel({ patientId, mayTreat }: { patientId: string; mayT
           <Link to={`/patients/${patientId}/report?exercise=${progress.data.exercise_id}`}>{t('course.open')}</Link>
         </p>
       )}
-      <Answer of={progress} lines={6} height={50}>
+      <QueryBoundary of={progress} lines={6} height={50}>
         {(data) => <Measures progress={data} patientId={patientId} mayTreat={mayTreat} />}
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

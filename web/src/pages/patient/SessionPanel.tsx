@@ -3,7 +3,7 @@ import { useState } from 'react';
 import { Link } from 'react-router';
 import { usePatientSessions, usePatientWorries, useWalks } from '../../api/queries';
 import type { Patient, Session, Worry } from '../../api/types';
-import { Answer, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, ShowMore } from '../../components/Feedback';
 import { ReasonMark, StateMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { day, duration } from '../../lib/format';
@@ -52,7 +52,7 @@ export function SessionPanel({ patient }: { patient: Patient }) {
           </Link>
         )}
       </div>
-      <Answer of={sessions} lines={5}>
+      <QueryBoundary of={sessions} lines={5}>
         {(list) =>
           list.length === 0 ? (
             <p className="muted">{t('session.none')}</p>
@@ -82,7 +82,7 @@ export function SessionPanel({ patient }: { patient: Patient }) {
             </>
           )
         }
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

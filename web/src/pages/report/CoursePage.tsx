@@ -5,7 +5,7 @@ import { useParams, useSearchParams } from 'react-router';
 import { useComparison, useCourse, usePatient, useProgress } from '../../api/queries';
 import type { ComparisonDetail, Course, Patient, Progress, ProgressMeasure } from '../../api/types';
 import { PaperPhases, PaperProgress } from '../../charts/PaperChart';
-import { Answer, Empty } from '../../components/Feedback';
+import { QueryBoundary, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { WeightedSum } from '../../components/WeightedSum';
 import { t } from '../../i18n';
@@ -247,11 +247,11 @@ export function CoursePage() {
       {exerciseId === null ? (
         <Empty title={t('course.noExercise')} />
       ) : (
-        <Answer of={patient} lines={8} height={40}>
+        <QueryBoundary of={patient} lines={8} height={40}>
           {(who) => (
-            <Answer of={course} lines={8} height={40}>
+            <QueryBoundary of={course} lines={8} height={40}>
               {(found) => (
-                <Answer of={progress} lines={8} height={40}>
+                <QueryBoundary of={progress} lines={8} height={40}>
                   {(over) => (
                     <Papers>
                       <Summary patient={who} course={found} progress={over} />
@@ -259,11 +259,11 @@ export function CoursePage() {
                       <Indices patient={who} course={found} progress={over} />
                     </Papers>
                   )}
-                </Answer>
+                </QueryBoundary>
               )}
-            </Answer>
+            </QueryBoundary>
           )}
-        </Answer>
+        </QueryBoundary>
       )}
     </Page>
   );

@@ -13,7 +13,7 @@ import {
   useTemplateVersion,
 } from '../../api/queries';
 import type { Patient, SessionDetail } from '../../api/types';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime } from '../../lib/format';
@@ -23,7 +23,7 @@ import { MethodSheet } from './MethodSheet';
 import { Papers } from './Papers';
 import type { ReportProps } from './Sheet';
 import { SummarySheet } from './SummarySheet';
-import { partsOf } from '../../kinds/parts';
+import { panelsOf } from '../../kinds/panels';
 import { sessionTitle } from '../../lib/sessions';
 
 function Sheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
@@ -38,7 +38,7 @@ function Sheets({ session, patient }: { session: SessionDetail; patient: Patient
   const isWaiting = comparisons.isPending || progress.isPending || (of !== null && comparison.isPending);
   if (isWaiting)
     return (
-      <Answer
+      <QueryBoundary
         of={{
           data: undefined,
           error: comparisons.error ?? progress.error ?? comparison.error,
@@ -46,7 +46,7 @@ function Sheets({ session, patient }: { session: SessionDetail; patient: Patient
         }}
       >
         {() => null}
-      </Answer>
+      </QueryBoundary>
     );
   const report: ReportProps = {
     session,
@@ -90,16 +90,16 @@ export function ReportPage() {
         </Button>
       }
     >
-      <Answer of={session} lines={8} height={40}>
+      <QueryBoundary of={session} lines={8} height={40}>
         {(one) => (
-          <Answer of={patient} lines={8} height={40}>
+          <QueryBoundary of={patient} lines={8} height={40}>
             {(who) => {
-              const Report = partsOf(one).Report ?? Sheets;
+              const Report = panelsOf(one).Report ?? Sheets;
               return <Report session={one} patient={who} />;
             }}
-          </Answer>
+          </QueryBoundary>
         )}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

@@ -3,14 +3,14 @@ import { useState } from 'react';
 import { useParams, useSearchParams } from 'react-router';
 import { useExercises, usePatient, usePrescriptions } from '../../api/queries';
 import type { Patient } from '../../api/types';
-import { Answer } from '../../components/Feedback';
+import { QueryBoundary } from '../../components/Feedback';
 import { RadioCards } from '../../components/forms/Choice';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { KINDS, kindFor, kindOf } from '../../kinds';
 import { BeginWorn } from '../../kinds/BeginForm';
 import type { BeginProps, SessionKind } from '../../kinds/kind';
-import { partsOf } from '../../kinds/parts';
+import { panelsOf } from '../../kinds/panels';
 import { exerciseOf } from '../../lib/exercises';
 import { fullName } from '../../lib/people';
 
@@ -28,7 +28,7 @@ function Form({ patient }: { patient: Patient }) {
     begin && (begin.isTemplate || purpose !== 'template') ? [{ pipeline, begin }] : [],
   );
   const pipeline = kind ?? kindFor(movement).pipeline;
-  const Begin = partsOf({ pipeline }).Begin ?? BeginWorn;
+  const Begin = panelsOf({ pipeline }).Begin ?? BeginWorn;
   const prescription = purpose === 'exercise' ? prescribed.find((one) => one.exercise_id === exerciseId) : undefined;
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
   const prescribedIds = new Set(prescribed.map((one) => one.exercise_id));
@@ -92,9 +92,9 @@ export function NewSessionPage() {
         { to: `/patients/${patientId}`, text: name },
       ]}
     >
-      <Answer of={patient} lines={8}>
+      <QueryBoundary of={patient} lines={8}>
         {(data) => <Form patient={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

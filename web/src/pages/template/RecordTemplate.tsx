@@ -11,7 +11,7 @@ import { useExercises, usePatient, usePatients, usePatientSessions, useSession, 
 import type { SessionDetail, TemplateContent, TemplatePreviewIn, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
 import { RadioCards } from '../../components/forms/Choice';
-import { Answer, Empty, Problem, Waiting } from '../../components/Feedback';
+import { QueryBoundary, Empty, Problem, Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t, tOr } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
@@ -66,7 +66,7 @@ function Source({
       />
       {patients.error && <Problem error={patients.error} />}
       {patientId && (
-        <Answer of={sessions} lines={4}>
+        <QueryBoundary of={sessions} lines={4}>
           {() =>
             analysed.length === 0 ? (
               <Empty level={3} icon={<IconRoute size={44} aria-hidden />} title={t('template.noRecordings')}>
@@ -85,7 +85,7 @@ function Source({
               />
             )
           }
-        </Answer>
+        </QueryBoundary>
       )}
       {(analysed.length > shown || sessions.hasNextPage) && (
         <div>
@@ -423,7 +423,7 @@ export function RecordTemplatePage() {
             onSession={(id) => set('session', id)}
           />
         ) : (
-          <Answer of={session} lines={5}>
+          <QueryBoundary of={session} lines={5}>
             {(data) => (
               <>
                 <p className="muted">
@@ -440,7 +440,7 @@ export function RecordTemplatePage() {
                 <Preview key={data.id} session={data} exerciseId={exerciseId} />
               </>
             )}
-          </Answer>
+          </QueryBoundary>
         )}
       </div>
     </Page>

@@ -8,7 +8,7 @@ import { useChangeTemplate, useCopyVersion } from '../../api/changes';
 import { useTemplateVersion } from '../../api/queries';
 import type { Template, TemplateVersion, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { date, number } from '../../lib/format';
@@ -56,7 +56,7 @@ export function TemplateCard({
           />
         )}
       </div>
-      <Answer of={version} lines={4} height={40}>
+      <QueryBoundary of={version} lines={4} height={40}>
         {(found) => (
           <>
             <Deeds template={template} version={found} />
@@ -89,7 +89,7 @@ export function TemplateCard({
             </div>
           </>
         )}
-      </Answer>
+      </QueryBoundary>
       <History versions={template.versions} />
     </section>
   );

@@ -6,7 +6,7 @@ import { useState } from 'react';
 import { Link } from 'react-router';
 import { useTemplateSearch } from '../../api/queries';
 import type { Exercise, Template } from '../../api/types';
-import { Answer, ShowMore } from '../../components/Feedback';
+import { QueryBoundary, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import { limbOf } from '../../lib/placements';
@@ -37,7 +37,7 @@ export function TemplateLibrary({ exercises }: { exercises: readonly Exercise[] 
         value={typed}
         onChange={(event) => setTyped(event.currentTarget.value)}
       />
-      <Answer of={found} lines={4}>
+      <QueryBoundary of={found} lines={4}>
         {(list) => (
           <>
             <p className="visually-hidden" role="status">
@@ -60,7 +60,7 @@ export function TemplateLibrary({ exercises }: { exercises: readonly Exercise[] 
             <ShowMore of={found} />
           </>
         )}
-      </Answer>
+      </QueryBoundary>
     </section>
   );
 }

@@ -4,7 +4,7 @@ import { useFootCurves } from '../../../api/queries';
 import type { FootCurves as Curves } from '../../../api/types';
 import { PhaseLegend } from '../../../charts/PhaseChart';
 import { Traces } from '../../../charts/Traces';
-import { Answer } from '../../../components/Feedback';
+import { QueryBoundary } from '../../../components/Feedback';
 import { ChannelPicker } from '../../../components/forms/ChannelPicker';
 import { t } from '../../../i18n';
 import { withColumns } from '../../../player/beside';
@@ -51,8 +51,8 @@ function Shown({ curves, player, onSeek, templateAt, compared }: CurvesProps & {
 export function FootCurves(props: CurvesProps) {
   const curves = useFootCurves(props.session.id, props.resultId);
   return (
-    <Answer of={curves} lines={6} height={60}>
+    <QueryBoundary of={curves} lines={6} height={60}>
       {(found) => <Shown {...props} curves={found} />}
-    </Answer>
+    </QueryBoundary>
   );
 }

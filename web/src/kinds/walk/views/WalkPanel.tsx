@@ -1,7 +1,7 @@
 // Below the 3D view of a walk its footprints; beside it the result, and left beside right.
 import { useGait, usePatient } from '../../../api/queries';
 import type { Gait } from '../../../api/types';
-import { Answer } from '../../../components/Feedback';
+import { QueryBoundary } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { MapCard } from './MapCard';
 import { TestResult } from './TestResult';
@@ -15,7 +15,7 @@ export function WalkPanel({ sessionId, patientId }: { sessionId: string; patient
   return (
     <>
       <h2 className="visually-hidden">{t('walk.result')}</h2>
-      <Answer of={gait} lines={5}>
+      <QueryBoundary of={gait} lines={5}>
         {(data) => (
           <div className="stack">
             <TestResult gait={data} />
@@ -24,7 +24,7 @@ export function WalkPanel({ sessionId, patientId }: { sessionId: string; patient
             )}
           </div>
         )}
-      </Answer>
+      </QueryBoundary>
     </>
   );
 }

@@ -11,7 +11,7 @@ import type {
   WalkMeasure,
 } from '../../../api/types';
 import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
-import { Answer } from '../../../components/Feedback';
+import { QueryBoundary } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
 import { t } from '../../../i18n';
 import { placementLabel } from '../../../lib/channels';
@@ -291,7 +291,7 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
   const comparison = found.data ?? null;
   const hasStrides = comparison !== null && comparison.repetitions.length > 0;
   return (
-    <Answer of={gait} lines={8} height={40}>
+    <QueryBoundary of={gait} lines={8} height={40}>
       {(walk) => {
         const names = [...new Set(walk.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
         return (
@@ -321,6 +321,6 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
           </Papers>
         );
       }}
-    </Answer>
+    </QueryBoundary>
   );
 }

@@ -5,14 +5,14 @@ import { useParams } from 'react-router';
 import { key } from '../../../api/address';
 import { useExercises, usePatient, useSession } from '../../../api/queries';
 import type { CalibrationMessage, SessionDetail, SessionEvent, SessionState } from '../../../api/types';
-import { Answer, Problem } from '../../../components/Feedback';
+import { QueryBoundary, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { Viewer3D } from '../../../components/Viewer3D';
 import { useSignedIn } from '../../../components/account/useSignedIn';
 import { Traces } from '../../../charts/Traces';
 import { t } from '../../../i18n';
 import { kindOf, nearOf } from '../../../kinds';
-import { partsOf } from '../../../kinds/parts';
+import { panelsOf } from '../../../kinds/panels';
 import type { LiveProps } from '../../../kinds/kind';
 import { fullName, patientCrumbs } from '../../../lib/people';
 import { wornPlacements } from '../../../lib/placements';
@@ -125,7 +125,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const [read, setRead] = useState<CalibrationMessage | null>(null);
   const calibration = message ? message.calibration : session.calibration;
   const kind = kindOf(session);
-  const { First, Guide, Start, Curves, Side } = partsOf(session).live;
+  const { First, Guide, Start, Curves, Side } = panelsOf(session).live;
   const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
   const isUnset = state === 'calibrating' && kind.needsPose;
   const mayCalibrate = kind.needsPose && (state === 'calibrating' || state === 'ready');
@@ -260,9 +260,9 @@ export function LiveSessionPage() {
       lead={session.data ? sessionTitle(session.data) : undefined}
       crumbs={patientCrumbs(session.data?.patient_id, name)}
     >
-      <Answer of={session} lines={8} height={50}>
+      <QueryBoundary of={session} lines={8} height={50}>
         {(data) => <Loaded key={data.id} session={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

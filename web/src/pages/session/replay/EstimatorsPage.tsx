@@ -7,7 +7,7 @@ import { ofSession } from '../../../api/address';
 import { question, useEstimators, usePatient, useSession } from '../../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../../api/types';
 import { LineChart } from '../../../charts/LineChart';
-import { Answer, Empty, Problem, Waiting } from '../../../components/Feedback';
+import { QueryBoundary, Empty, Problem, Waiting } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
@@ -175,7 +175,9 @@ function Loaded({ session }: { session: SessionDetail }) {
   const results = distinctResults(session.results, session.main_result_id ?? null);
   if (results.length < 2) return <Empty title={t('differences.emptyTitle')}>{t('differences.emptyText')}</Empty>;
   return (
-    <Answer of={estimators}>{(list) => <Compared session={session} results={results} estimators={list} />}</Answer>
+    <QueryBoundary of={estimators}>
+      {(list) => <Compared session={session} results={results} estimators={list} />}
+    </QueryBoundary>
   );
 }
 
@@ -196,9 +198,9 @@ export function EstimatorsPage() {
           : []),
       ]}
     >
-      <Answer of={session} lines={8} height={40}>
+      <QueryBoundary of={session} lines={8} height={40}>
         {(data) => <Loaded session={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

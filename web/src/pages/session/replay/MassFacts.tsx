@@ -2,7 +2,7 @@
 import { Fragment } from 'react';
 import { useSeries } from '../../../api/queries';
 import type { Series } from '../../../api/types';
-import { Answer } from '../../../components/Feedback';
+import { QueryBoundary } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { channelLabel, placementList } from '../../../lib/channels';
 import { quantity, spreadAlone } from '../../../lib/format';
@@ -44,10 +44,10 @@ function Found({ found }: { found: Series }) {
 export function MassFacts({ sessionId, resultId }: { sessionId: string; resultId: string }) {
   const found = useSeries(sessionId, 'mass_centre', resultId);
   return (
-    <Answer of={found} lines={4}>
+    <QueryBoundary of={found} lines={4}>
       {(data) =>
         data.reasons.mass_centre ? <p className="muted">{data.reasons.mass_centre}</p> : <Found found={data} />
       }
-    </Answer>
+    </QueryBoundary>
   );
 }

@@ -15,13 +15,13 @@ import {
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../../api/types';
 import { Traces } from '../../../charts/Traces';
 import { ChannelPicker } from '../../../components/forms/ChannelPicker';
-import { Answer, Notice, Problem } from '../../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../../components/Feedback';
 import { Page } from '../../../components/Page';
 import { Timeline } from '../../../components/Timeline';
 import { Viewer3D } from '../../../components/Viewer3D';
 import { t } from '../../../i18n';
 import { kindOf, nearOf } from '../../../kinds';
-import { partsOf } from '../../../kinds/parts';
+import { panelsOf } from '../../../kinds/panels';
 import { preferredAngles } from '../../../lib/channels';
 import { dateTime, duration } from '../../../lib/format';
 import { massChannels } from '../../../lib/assessment/massCentre';
@@ -117,7 +117,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   );
   const kind = kindOf(session);
   const isHurt = useSessionWorries(session).some((one) => one.kind === 'pain');
-  const { UnderPicture, tab: own, angles: angleTitle, Curves } = partsOf(session).replay;
+  const { UnderPicture, tab: own, angles: angleTitle, Curves } = panelsOf(session).replay;
   const hasCompare = kind.isCompared;
   const markers = useMarkers(session.id);
   const fused = useMemo(() => (markers.data ?? []).filter((one) => one.report !== null), [markers.data]);
@@ -323,7 +323,7 @@ export function SessionPage() {
   const name = patient.data ? fullName(patient.data) : '';
   if (session.data && (isLive(session.data.state) || session.data.state === 'closing'))
     return <Navigate to={`/sessions/${sessionId}/live`} replace />;
-  const Actions = session.data && partsOf(session.data).replay.Actions;
+  const Actions = session.data && panelsOf(session.data).replay.Actions;
   const started = session.data?.started_at ?? session.data?.created_at;
   return (
     <Page
@@ -335,9 +335,9 @@ export function SessionPage() {
       crumbs={patientCrumbs(session.data?.patient_id, name)}
       actions={session.data?.state === 'analysed' && Actions ? <Actions session={session.data} /> : undefined}
     >
-      <Answer of={session} lines={8} height={50}>
+      <QueryBoundary of={session} lines={8} height={50}>
         {(data) => <Loaded key={data.id} session={data} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

@@ -7,7 +7,7 @@ import { ApiError } from '../../../api/client';
 import { useDrawVersion } from '../../../api/changes';
 import { useTemplateVersion } from '../../../api/queries';
 import type { TemplateVersionDetail } from '../../../api/types';
-import { Answer, Notice, Problem } from '../../../components/Feedback';
+import { QueryBoundary, Notice, Problem } from '../../../components/Feedback';
 import { useUnsaved } from '../../../components/forms/useUnsaved';
 import { Page } from '../../../components/Page';
 import { t } from '../../../i18n';
@@ -289,9 +289,9 @@ export function EditTemplatePage() {
         ...(found ? [{ to: exercisePath(found), text: found.name }] : []),
       ]}
     >
-      <Answer of={version} lines={8} height={44}>
+      <QueryBoundary of={version} lines={8} height={44}>
         {(data) => <Editor key={data.id} opened={data} onSaved={(made) => void navigate(exercisePath(made))} />}
-      </Answer>
+      </QueryBoundary>
     </Page>
   );
 }

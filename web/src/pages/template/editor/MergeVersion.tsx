@@ -2,7 +2,7 @@
 import { useMemo } from 'react';
 import { useTemplates, useTemplateVersion } from '../../../api/queries';
 import type { CueDesign, KnotDesign, StopDesign, TemplateVersionDetail } from '../../../api/types';
-import { Answer } from '../../../components/Feedback';
+import { QueryBoundary } from '../../../components/Feedback';
 import { MergeCard, type MergeWords } from '../../../components/forms/MergeCard';
 import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
@@ -98,9 +98,9 @@ export function MergeVersion({
 }) {
   const newest = useTemplateVersion(newestId);
   return (
-    <Answer of={newest} lines={3}>
+    <QueryBoundary of={newest} lines={3}>
       {(found) => <Joined key={found.id} base={base} draft={draft} newest={found} onTake={onTake} />}
-    </Answer>
+    </QueryBoundary>
   );
 }
 
