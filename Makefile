@@ -94,15 +94,24 @@ api-test: $(VENV)/installed web/node_modules/installed
 # What needs no Python first: it runs while the packages come.
 checks: web-test lint types api-test web/dist/index.html browser
 
-# Many tests start whole services, two at once. One that failed beside another runs again, named and alone, and that decides.
-decided = status=0; $(BIN)/python -m pytest $(1) || status=$$?; [ $$status = 0 ] || { [ $$status = 1 ] && \
-	echo "Failed beside others; alone:" && $(BIN)/python -m pytest $(1) -n 0 -vv --last-failed --last-failed-no-failures none --maxfail=1; }
+# Many tests wait: for a server that starts, a stream, a page. So those in a browser run beside the others, on their own
+# files: another run as root makes the folder of the first one its own, and no PostgreSQL gets in any more.
+SERVICE_TESTS := --ignore=tests/e2e -o cache_dir=build/tests/service
+BROWSER_TESTS := tests/e2e -o cache_dir=build/tests/browser --basetemp=build/tests/files
+
+# What failed beside others runs again, named and alone, and that decides. Any other end than failed tests stays.
+decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone:" && \
+	$(BIN)/python -m pytest $(2) -n 0 -vv --last-failed --last-failed-no-failures none --maxfail=1; }; }
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
-	@$(call decided,--ignore=tests/e2e $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15)
-	@$(call decided,tests/e2e $(TWO_AT_ONCE) --durations=15)
+	@mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
+	@$(BIN)/python -m pytest $(BROWSER_TESTS) $(TWO_AT_ONCE) --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
+	trap 'kill $$browser 2>/dev/null' EXIT; service=0; pages=0; \
+	$(BIN)/python -m pytest $(SERVICE_TESTS) $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15 || service=$$?; \
+	wait $$browser || pages=$$?; cat build/tests/browser.log; \
+	$(call decided,$$service,$(SERVICE_TESTS)) && $(call decided,$$pages,$(BROWSER_TESTS))
 
 # Apart from `make test`: following every branch makes the tests take three quarters longer.
 coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
