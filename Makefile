@@ -42,7 +42,7 @@ $(VENV)/docs: $(VENV)/installed requirements-docs.lock
 	@touch $@
 
 # Kernels are compiled when they are first called. Tests need nearly all of them: here once, on two cores.
-KERNELS := $(shell find estimators -name '*.py' 2>/dev/null)
+KERNELS := $(shell find estimators published -name '*.py' 2>/dev/null)
 $(VENV)/compiled: $(VENV)/scaled $(KERNELS)
 	@echo "Compiling the numerical kernels (some minutes the first time) ..."
 	@$(BIN)/telemotion compile --processes 2

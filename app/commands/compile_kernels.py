@@ -15,6 +15,7 @@ from typing import Any, Final
 import typer
 
 import estimators
+import published
 from app.commands.options.starting import CompileOptions
 from app.errors import InvalidInput
 from estimators.compiling import PROCESSOR, Kernel, goes_into, is_labelled, label
@@ -102,6 +103,7 @@ def _length(functions: Iterable[Callable[..., Any]]) -> int:
 def import_all() -> int:
     """Import every module of the library, and the service with its own; returns how many kernels that makes."""
     import_module("app.main")
-    for module in pkgutil.walk_packages(estimators.__path__, "estimators."):
-        import_module(module.name)
+    for package in (estimators, published):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            import_module(module.name)
     return len(Kernel.made)

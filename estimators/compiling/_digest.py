@@ -18,7 +18,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
 
-_OURS: Final = frozenset({__name__.partition(".")[0], "app", "validation"})
+_OURS: Final = frozenset({__name__.partition(".")[0], "app", "published", "validation"})
 _COMPILER: Final = ("_quicker.py", "_units.py")
 """They decide how everything is compiled."""
 

@@ -1,6 +1,7 @@
 """Orientation of each sensor in the earth frame: one folder a filter, one contract, one registry."""
 
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any, Final
 
 from estimators.errors import SetupError
@@ -14,13 +15,6 @@ from estimators.orientation._smoothers import (
     smoothers,
     with_orientation,
 )
-from estimators.orientation.luinge import LuingeEstimator
-from estimators.orientation.marzouk import (
-    MarzoukErrorStateEstimator,
-    MarzoukEulerEstimator,
-    MarzoukQuaternionEstimator,
-)
-from estimators.orientation.roetenberg import RoetenbergEstimator
 from estimators.orientation.smoother import SmoothedOrientation
 from estimators.orientation.telemotion import TelemotionEstimator
 from estimators.orientation.vqf import VqfEstimator
@@ -28,18 +22,21 @@ from estimators.orientation.vqf import VqfEstimator
 DEFAULT: Final = TelemotionEstimator.name
 """The estimator of whoever names none."""
 
-_REGISTRY: dict[str, type[OrientationEstimator]] = {
-    kind.name: kind
-    for kind in (
-        TelemotionEstimator,
-        VqfEstimator,
-        MarzoukQuaternionEstimator,
-        MarzoukErrorStateEstimator,
-        MarzoukEulerEstimator,
-        LuingeEstimator,
-        RoetenbergEstimator,
-    )
+_OWN: Final = {kind.name: kind for kind in (TelemotionEstimator, VqfEstimator)}
+_PUBLISHED: Final = {
+    "marzouk_quaternion_ekf": ("published.marzouk", "MarzoukQuaternionEstimator"),
+    "marzouk_error_state_ekf": ("published.marzouk", "MarzoukErrorStateEstimator"),
+    "marzouk_euler_ekf": ("published.marzouk", "MarzoukEulerEstimator"),
+    "luinge_inclination": ("published.luinge", "LuingeEstimator"),
+    "roetenberg_disturbance": ("published.roetenberg", "RoetenbergEstimator"),
 }
+"""Where the filters of papers stand: module and class. They are loaded when somebody asks for them."""
+
+
+def _published(name: str) -> type[OrientationEstimator]:
+    module, kind = _PUBLISHED[name]
+    found: type[OrientationEstimator] = getattr(import_module(module), kind)
+    return found
 
 
 def available(*, with_offline: bool = False) -> dict[str, type[OrientationEstimator]]:
@@ -50,7 +47,8 @@ def available(*, with_offline: bool = False) -> dict[str, type[OrientationEstima
     with_offline : bool
         Also those that need the whole session and cannot run live (`is_offline`).
     """
-    return {**_REGISTRY, **(smoothers() if with_offline else {})}
+    published = {name: _published(name) for name in _PUBLISHED}
+    return {**_OWN, **published, **(smoothers() if with_offline else {})}
 
 
 def create(
@@ -70,10 +68,13 @@ def create(
     SetupError
         For an unknown name or parameter.
     """
-    known = available(with_offline=True)
-    if name not in known:
-        raise SetupError(f"no orientation estimator {name!r}; known are {', '.join(known)}")
-    return known[name](sensor_count, time_step_s, parameters)
+    loaded = {**_OWN, **smoothers()}
+    if name not in loaded and name not in _PUBLISHED:
+        raise SetupError(
+            f"no orientation estimator {name!r}; known are {', '.join(available(with_offline=True))}"
+        )
+    kind = loaded[name] if name in loaded else _published(name)
+    return kind(sensor_count, time_step_s, parameters)
 
 
 __all__ = [

@@ -11,10 +11,10 @@ from estimators.magnetic.tracker.fusion import TrackerFusionChunk
 from estimators.optical._contract import OpticalChunk
 from estimators.optical.alignment._mounting import Accelerations
 from estimators.orientation import DeviceConstants, OrientationFlag, OrientationResult, SmoothedChunk
-from estimators.orientation._strapdown_estimator import StrapdownResult
 from estimators.pipelines import FrameLayout, Frames, ModulesChunk
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.samples import Samples
+from published._strapdown_estimator import StrapdownResult
 
 TICKS = 12
 SENSORS = 3

@@ -10,7 +10,10 @@ import pytest
 from tests.structure.test_imports import dotted, modules
 
 LIBRARY = {dotted(path): path for path in modules("estimators")}
-USERS = {dotted(path): path for path in modules("estimators") + modules("app") + modules("validation")}
+USERS = {
+    dotted(path): path
+    for path in modules("estimators") + modules("published") + modules("app") + modules("validation")
+}
 PACKAGES = [name for name, path in LIBRARY.items() if path.name == "__init__.py"]
 AWAITED = {
     # Measured and tested, and not yet shown by the service: live guidance and the measures of its page.

@@ -68,7 +68,7 @@ def test_the_lock_names_the_extras_that_packages_ask_of_each_other() -> None:
 def test_entries_of_docstrings_say_more_than_the_signature() -> None:
     # Meaning, shape or unit: name and type stand in the signature already.
     found = []
-    for path in tracked("app/*.py", "estimators/*.py", "validation/*.py"):
+    for path in tracked("app/*.py", "estimators/*.py", "published/*.py", "validation/*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 for entries in SECTION.findall(ast.get_docstring(node) or ""):

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimators.orientation.marzouk._quaternion import PUBLISHED_TUNING
 from estimators.recording import Float
+from published.marzouk._quaternion import PUBLISHED_TUNING
 from validation.arm.thesis import (
     GYROSCOPE_BIAS_DEGPS,
     HANDLE,

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation, signals
 from estimators.arm.published import two_link_joint_angles, two_link_pose
-from estimators.orientation.marzouk._quaternion_kernel import pitch_row, roll_row, yaw_row
 from estimators.recording import Float
+from published.marzouk._quaternion_kernel import pitch_row, roll_row, yaw_row
 from validation.arm.thesis import (
     RATE_HZ,
     SCORED_AFTER_S,

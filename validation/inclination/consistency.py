@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError
-from estimators.orientation._strapdown_estimator import StrapdownResult
 from estimators.orientation.published import align_marker_frame
 from estimators.recording import Float, ImuChunk
+from published._strapdown_estimator import StrapdownResult
 from validation.inclination.scenes import (
     ACCELEROMETER_SD_MPS2,
     CONSISTENT,

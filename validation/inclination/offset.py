@@ -7,8 +7,8 @@ import numpy as np
 
 from estimators import orientation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation.luinge import PUBLISHED
 from estimators.recording import Float, ImuChunk
+from published.luinge import PUBLISHED
 from validation.inclination.scenes import (
     ACCELEROMETER_SD_MPS2,
     CONSISTENT,

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from estimators.orientation.luinge import PUBLISHED
 from estimators.recording import Float, ImuChunk
+from published.luinge import PUBLISHED
 from validation.inclination.scenes import (
     CONSISTENT,
     EATING,

@@ -19,7 +19,7 @@ from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import TelemotionError
-from app.live.rights import questions as module
+from app.live.rights import authorization_checks as module
 from app.live.rights.authorization_checks import AuthorizationCheck, answers, answers_apart, still_allowed
 from app.patients.access import Level
 from app.patients.models import Grant, Patient

@@ -9,22 +9,17 @@ from scipy.spatial.transform import Rotation
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.kernels import (
-    BASE,
-    absorb,
     arcsine,
-    attitude_seen,
     direction,
     filled,
-    inject,
     invert_symmetric,
     mirror,
-    predict,
     record,
     restored,
     skew,
     turn,
-    turn_by_rate,
 )
+from published._error_state import BASE, absorb, attitude_seen, inject, predict, turn_by_rate
 
 STATE = record([("q", "f8", 4), ("bias", "f8", 3)])
 STATES = BASE + 3

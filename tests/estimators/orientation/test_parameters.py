@@ -4,14 +4,14 @@ import pytest
 
 from estimators.errors import SetupError
 from estimators.orientation._parameters import meaning_of, read_parameters
-from estimators.orientation.luinge import LuingeParameters
-from estimators.orientation.marzouk._error_state import ErrorStateParameters
-from estimators.orientation.marzouk._euler import EulerParameters
-from estimators.orientation.marzouk._quaternion import QuaternionParameters
-from estimators.orientation.roetenberg import RoetenbergParameters
 from estimators.orientation.smoother import SmootherParameters
 from estimators.orientation.telemotion._parameters import TelemotionParameters
 from estimators.orientation.vqf import VqfParameters
+from published.luinge import LuingeParameters
+from published.marzouk._error_state import ErrorStateParameters
+from published.marzouk._euler import EulerParameters
+from published.marzouk._quaternion import QuaternionParameters
+from published.roetenberg import RoetenbergParameters
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from app.errors import Unavailable
 from app.network.declaration import Declaration
 from app.scaled.wire import HelloEntry, PacketEntry
-from app.scaled.worker import entries as module
+from app.scaled.worker import consumer as module
 from app.scaled.worker.consumer import StreamConsumer
 from tests.patience import PATIENCE_S
 

@@ -21,7 +21,7 @@ from app.network.declaration import FoundClips
 from app.recordings.models import LiveCheckpoint, MotionSession
 from app.scaled.fencing import Fence, fenced, take_over
 from app.scaled.takeover import read_streamed
-from app.scaled.worker import holder
+from app.scaled.worker import worker as module
 from app.scaled.worker.preparing import Preparation
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.settings import Settings
@@ -159,8 +159,8 @@ def test_a_worker_waits_for_what_is_estimated_ahead_only_while_others_show_it(
     monkeypatch: pytest.MonkeyPatch, answers: list[set[str] | Exception], is_waited: bool
 ) -> None:
     asked = Asked(answers)
-    monkeypatch.setattr(holder, "others_of", asked)
-    monkeypatch.setattr(holder, "LOOK_S", 0.01)
+    monkeypatch.setattr(module, "others_of", asked)
+    monkeypatch.setattr(module, "LOOK_S", 0.01)
 
     async def story() -> None:
         ended = asyncio.Event()
@@ -172,11 +172,11 @@ def test_a_worker_waits_for_what_is_estimated_ahead_only_while_others_show_it(
         worker = SimpleNamespace(
             ahead=ahead, _broker=SimpleNamespace(partitions=8), _name="n", _others=set(), _until_one_goes=None
         )
-        worker._until_one_goes = partial(holder.Worker._until_one_goes, worker)
-        await holder.Worker.look_for_others(worker)  # type: ignore[arg-type]
+        worker._until_one_goes = partial(module.Worker._until_one_goes, worker)
+        await module.Worker.look_for_others(worker)  # type: ignore[arg-type]
         # Before anything else is asked of it, it says whether it takes sessions yet.
         assert ahead.is_waited_for is bool(answers[0])
-        waiting = asyncio.create_task(holder.Worker._estimate_ahead(worker))  # type: ignore[arg-type]
+        waiting = asyncio.create_task(module.Worker._estimate_ahead(worker))  # type: ignore[arg-type]
         await asyncio.wait([waiting], timeout=0.3)
         assert waiting.done() is not is_waited
         ended.set()

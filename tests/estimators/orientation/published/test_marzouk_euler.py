@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation
 from estimators.orientation import OrientationFlag
-from estimators.orientation.marzouk._angles import euler, halves, quaternion, variances, wrap
-from estimators.orientation.marzouk._euler import PUBLISHED_TUNING
+from published.marzouk._angles import euler, halves, quaternion, variances, wrap
+from published.marzouk._euler import PUBLISHED_TUNING
 from tests.estimators.orientation.orientation_contract import moving_network
 from tests.estimators.orientation.published import marzouk_twins as twins
 from tests.estimators.orientation.published import thesis_scene as scenes

@@ -8,9 +8,9 @@ from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
-from estimators.orientation.marzouk._quaternion import PUBLISHED_TUNING
-from estimators.orientation.marzouk._quaternion_kernel import pitch_row, roll_row, yaw_row
 from estimators.recording import ImuChunk, SampleQuality
+from published.marzouk._quaternion import PUBLISHED_TUNING
+from published.marzouk._quaternion_kernel import pitch_row, roll_row, yaw_row
 from tests.estimators.orientation.orientation_contract import OrientationContract, moving_network
 from tests.estimators.orientation.published import marzouk_twins as twins
 from tests.estimators.orientation.published import thesis_scene as scenes

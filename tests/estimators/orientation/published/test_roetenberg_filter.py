@@ -8,8 +8,8 @@ from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2 as G
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
-from estimators.orientation.roetenberg._estimator import PAGE, PUBLISHED
 from estimators.recording import ImuChunk, SampleQuality
+from published.roetenberg._estimator import PAGE, PUBLISHED
 from tests.estimators.orientation import strapdown_twins as twins
 from tests.estimators.orientation.orientation_contract import OrientationContract, moving_network
 

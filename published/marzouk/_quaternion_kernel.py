@@ -9,8 +9,9 @@ from estimators._kernels import Scalars4, kernel, multiply
 from estimators.kernels import Record, direction, mirror, record, step, turn
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
-from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._steps import (
+from estimators.recording import Float
+from published.marzouk import _steps as steps
+from published.marzouk._steps import (
     SAMPLE,
     begin,
     horizontal_field,
@@ -19,7 +20,6 @@ from estimators.orientation.marzouk._steps import (
     set_heading,
     store,
 )
-from estimators.recording import Float
 
 SETTINGS = record(
     steps.SETTINGS, steps.ANGLE_SETTINGS, [("rate_variance", "f8", 3), ("is_weighted_when_steep", "i8")]

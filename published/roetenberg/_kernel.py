@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, rotate
-from estimators.kernels import BASE, Matrix, Record, arcsine, inject, mirror, predict, step, turn_by_rate
+from estimators.kernels import Record, arcsine, mirror, step
 from estimators.orientation._strapdown_steps import (
     BEGIN,
     FILTER,
@@ -24,9 +24,11 @@ from estimators.orientation._strapdown_steps import (
     store,
     store_details,
 )
-from estimators.orientation.roetenberg._detector import detect
-from estimators.orientation.roetenberg._measurement import keep_spread, measure_field, measure_gravity
-from estimators.orientation.roetenberg._model import (
+from estimators.recording import Float
+from published._error_state import BASE, Matrix, inject, predict, turn_by_rate
+from published.roetenberg._detector import detect
+from published.roetenberg._measurement import keep_spread, measure_field, measure_gravity
+from published.roetenberg._model import (
     DIP,
     DISTURBANCE,
     MEASUREMENTS,
@@ -38,8 +40,7 @@ from estimators.orientation.roetenberg._model import (
     keep_blocks,
     predict_disturbance,
 )
-from estimators.orientation.roetenberg._reference import begin_heading, field_flags, look_for_heading
-from estimators.recording import Float
+from published.roetenberg._reference import begin_heading, field_flags, look_for_heading
 
 
 @step()

@@ -16,15 +16,16 @@ from typing import Any, ClassVar, Final
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._parameters import parameter
-from estimators.orientation._strapdown_estimator import (
+from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
+from estimators.recording import Float
+from published._strapdown_estimator import (
     REFERENCE_RATE_HZ,
     StrapdownEstimator,
     StrapdownParameters,
     StrapdownResult,
 )
-from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
-from estimators.orientation.roetenberg import _kernel as kernel
-from estimators.orientation.roetenberg._model import (
+from published.roetenberg import _kernel as kernel
+from published.roetenberg._model import (
     DETAILS,
     DIP,
     DISTURBANCE,
@@ -33,7 +34,6 @@ from estimators.orientation.roetenberg._model import (
     STATE,
     STATES,
 )
-from estimators.recording import Float
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ import numpy as np
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._parameters import parameter
-from estimators.orientation.marzouk import _euler_kernel as kernel
-from estimators.orientation.marzouk._estimator import AngleParameters, MarzoukEstimator
+from published.marzouk import _euler_kernel as kernel
+from published.marzouk._estimator import AngleParameters, MarzoukEstimator
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
-from estimators.kernels import (
-    BASE,
-    Record,
-    absorb,
-    attitude_seen,
-    inject,
-    mirror,
-    predict,
-    record,
-    step,
-    turn_by_rate,
-)
+from estimators.kernels import Record, mirror, record, step
 from estimators.orientation import _strapdown_steps as steps
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import (
@@ -35,14 +24,15 @@ from estimators.orientation._strapdown_steps import (
     store,
     store_details,
 )
-from estimators.orientation.luinge._rest import (
+from estimators.recording import Float
+from published._error_state import BASE, absorb, attitude_seen, inject, predict, turn_by_rate
+from published.luinge._rest import (
     REST_SETTINGS,
     REST_STATE,
     forget_rest,
     measure_rest,
     watch_rest,
 )
-from estimators.recording import Float
 
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 

@@ -16,16 +16,16 @@ from typing import Any, ClassVar, Final
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._parameters import parameter
-from estimators.orientation._strapdown_estimator import (
+from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
+from estimators.recording import Float, ImuChunk
+from published._strapdown_estimator import (
     StrapdownEstimator,
     StrapdownParameters,
     StrapdownResult,
 )
-from estimators.orientation._strapdown_steps import DETAIL_INNOVATION
-from estimators.orientation.luinge import _consistent as consistent
-from estimators.orientation.luinge import _published as published
-from estimators.orientation.luinge._rest import BLOCKS
-from estimators.recording import Float, ImuChunk
+from published.luinge import _consistent as consistent
+from published.luinge import _published as published
+from published.luinge._rest import BLOCKS
 
 
 @dataclass(frozen=True)

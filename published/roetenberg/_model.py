@@ -5,9 +5,10 @@ Its error delta = R d_e is in the earth frame as that of orientation is. Fields 
 
 from typing import Final
 
-from estimators.kernels import BASE, Matrix, Record, record, step
+from estimators.kernels import Record, record, step
 from estimators.orientation import _strapdown_steps as steps
 from estimators.recording import Float
+from published._error_state import BASE, Matrix
 
 _BIAS: Final = 3
 STATES: Final = BASE + 3

@@ -5,8 +5,8 @@ import math
 from estimators._kernels import Scalars3, multiply, rotate
 from estimators.kernels import Record, step
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation.roetenberg._model import STATES, forget_disturbance
 from estimators.recording import Float
+from published.roetenberg._model import STATES, forget_disturbance
 
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)

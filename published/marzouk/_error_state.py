@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from estimators.orientation._parameters import parameter
-from estimators.orientation.marzouk import _error_state_kernel as kernel
-from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
+from published.marzouk import _error_state_kernel as kernel
+from published.marzouk._estimator import MarzoukEstimator, SharedParameters
 
 
 @dataclass(frozen=True)

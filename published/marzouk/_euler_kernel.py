@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import Scalars3, kernel, wrapped
-from estimators.kernels import BASE, Record, absorb, attitude_seen, direction, mirror, record, step
+from estimators.kernels import Record, direction, mirror, record, step
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import (
     BEGIN,
@@ -17,8 +17,10 @@ from estimators.orientation._strapdown_steps import (
     Ticks,
     run_signature,
 )
-from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._angles import (
+from estimators.recording import Float
+from published._error_state import BASE, absorb, attitude_seen
+from published.marzouk import _steps as steps
+from published.marzouk._angles import (
     Circle,
     attitude,
     doubled,
@@ -29,7 +31,7 @@ from estimators.orientation.marzouk._angles import (
     variances,
     wrap,
 )
-from estimators.orientation.marzouk._steps import (
+from published.marzouk._steps import (
     SAMPLE,
     begin,
     horizontal_field,
@@ -38,7 +40,6 @@ from estimators.orientation.marzouk._steps import (
     set_heading,
     store,
 )
-from estimators.recording import Float
 
 SETTINGS = record(steps.SETTINGS, steps.ANGLE_SETTINGS, [("angle_drift", "f8", 3)])
 # Roll, pitch and yaw stand first: numba takes a record that only adds to the end of another for a kind of that one.

@@ -10,23 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, rotate
-from estimators.kernels import (
-    BASE,
-    Record,
-    absorb,
-    attitude_seen,
-    direction,
-    inject,
-    mirror,
-    predict,
-    record,
-    step,
-    turn_by_rate,
-)
+from estimators.kernels import Record, direction, mirror, record, step
 from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
-from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._steps import SAMPLE, begin, prepare, set_heading, store
 from estimators.recording import Float
+from published._error_state import BASE, absorb, attitude_seen, inject, predict, turn_by_rate
+from published.marzouk import _steps as steps
+from published.marzouk._steps import SAMPLE, begin, prepare, set_heading, store
 
 SETTINGS = record(
     steps.SETTINGS,

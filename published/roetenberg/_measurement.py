@@ -7,9 +7,10 @@ import math
 from typing import Final
 
 from estimators._kernels import Scalars3
-from estimators.kernels import BASE, Record, absorb, attitude_seen, step
-from estimators.orientation.roetenberg._model import STATES
+from estimators.kernels import Record, step
 from estimators.recording import Float
+from published._error_state import BASE, absorb, attitude_seen
+from published.roetenberg._model import STATES
 
 _NOTHING: Final = -1
 

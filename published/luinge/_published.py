@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import Scalars3, kernel, multiply, rotate_back
-from estimators.kernels import Record, invert_symmetric, skew, step, turn, turn_by_rate
+from estimators.kernels import Record, invert_symmetric, skew, step, turn
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import (
     BEGIN,
@@ -27,8 +27,9 @@ from estimators.orientation._strapdown_steps import (
     store,
     store_details,
 )
-from estimators.orientation.luinge._consistent import SETTINGS, STATE
 from estimators.recording import Float
+from published._error_state import turn_by_rate
+from published.luinge._consistent import SETTINGS, STATE
 
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 

@@ -6,8 +6,9 @@ near the mean of the window, so that the first one of a movement is not taken fo
 
 from typing import Final
 
-from estimators.kernels import BASE, Fields, Record, absorb, step
+from estimators.kernels import Fields, Record, step
 from estimators.recording import Float
+from published._error_state import BASE, absorb
 
 BLOCKS = 5
 REST_SETTINGS: Final[Fields] = [

@@ -1,6 +1,6 @@
 """The complementary Kalman filter with magnetic disturbance of Roetenberg (2006), chapters 2 and 3."""
 
-from estimators.orientation.roetenberg._estimator import (
+from published.roetenberg._estimator import (
     RoetenbergEstimator,
     RoetenbergParameters,
 )
