@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[2]
-PATIENCE_S: Final = 180.0
+PATIENCE_S: Final = 600.0
 PORT: Final = 8460
 NOTEBOOK: Final = '''"""A notebook of ten lines, checked strictly."""
 
