@@ -87,7 +87,7 @@ def guess_of_head(
         no_device = {*signals_of, time.column, kinds.column if kinds else None}
         others = [column for column in head.columns if column not in no_device]
         # Where kinds of rows take turns, those of the field may come first; a field shows no device by its jumps.
-        first = next((one for one in triples if one.quantity != "magnetometer"), triples[0])
+        first = next(one for one in triples if one.quantity != "magnetometer")
         mine = [one.of_rows(first.rows) for one in bodies]
         of_first = [one for one in triples if (one.device, one.rows) == (first.device, first.rows)]
         measured = tuple(c for one in of_first if one.quantity != "magnetometer" for c in one.columns)

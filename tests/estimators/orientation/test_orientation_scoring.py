@@ -1,5 +1,8 @@
 """The split of an orientation error into heading and inclination."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -46,3 +49,13 @@ def test_registry_names_and_refuses():
     assert len(set(titles)) == len(titles)
     with pytest.raises(SetupError, match=r"known are .*\bvqf\b"):
         create("madgwick", 1, 0.01)
+
+
+def test_a_published_filter_is_loaded_when_it_is_chosen():
+    program = (
+        "import sys; from estimators.orientation import create;"
+        "create('telemotion', 1, 0.01); print('published' in sys.modules);"
+        "print(create('luinge_inclination', 1, 0.01).name, 'published.marzouk' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "luinge_inclination", "False"]

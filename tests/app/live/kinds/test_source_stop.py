@@ -83,7 +83,7 @@ def ticks(first: int, state: list[float] | None) -> tuple[float, float, NDArray[
     return 0.01 * first, 0.01, states
 
 
-class TestStraySource:
+class TestUnexpectedEmission:
     def watched(self) -> tuple[UnexpectedEmission, list[tuple[str, float, str, str]]]:
         told: list[tuple[str, float, str, str]] = []
         return UnexpectedEmission(lambda *event: told.append(event)), told
