@@ -146,7 +146,8 @@ class FigureResult:
     values : ndarray, shape (N,)
         NaN where nothing could be measured.
     each : {"seed", "batch", "recording"}
-        What a value is of. Recordings are no draws: they are judged as they are, without an interval.
+        What a value is of. Recordings are no draws: they are judged as they are, without an interval. A figure that
+        only some of the seeds have counts as pooled over batches.
 
     Notes
     -----

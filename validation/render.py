@@ -39,13 +39,14 @@ def _row(result: FigureResult) -> tuple[str, ...]:
     sign = "<=" if figure.at_most else ">="
     required = "-" if figure.required is None else f"{sign} {_number(figure.required)}"
     is_judged = figure.required is not None
+    has_estimate = is_judged or figure.judged_by == "mean"
     return (
         figure.name,
         figure.unit,
         _number(figure.published),
         required,
-        _number(result.judged.value) if is_judged else "-",
-        _interval(result) if is_judged else "-",
+        _number(result.judged.value) if has_estimate else "-",
+        _interval(result) if has_estimate else "-",
         _number(result.median),
         _number(result.worst),
         "-" if math.isnan(result.spread) else _number(result.spread),

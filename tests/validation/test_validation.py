@@ -1,6 +1,7 @@
 """The framework judges rightly, and BROAD's excerpt equals the package."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -131,6 +132,15 @@ def test_table_and_json_tell_failures():
 def test_a_protocol_must_measure_its_figures():
     with pytest.raises(KeyError, match="amiss"):
         run_protocol(made_up(1.0, {"y": np.array([1.0])}), 1, {})
+
+
+def test_the_table_shows_the_mean_of_a_figure_without_a_limit():
+    shown = replace(made_up(2.0, {"x": np.array([1.0, 1.5])}), figures=(Figure("x", "m", judged_by="mean"),))
+    table = validation.to_table([run_protocol(shown, 2, {})])
+    # t(0.975, 1) = 12.7, standard error 0.25.
+    assert re.search(r"x +m +- +- +1\.25 +-1\.93 to 4\.43 +1\.25 +1\.5 +0\.354 +2$", table, re.MULTILINE)
+    median = replace(shown, figures=(Figure("x", "m", judged_by="median"),))
+    assert re.search(r"x +m +- +- +- +- +1\.25 ", validation.to_table([run_protocol(median, 2, {})]))
 
 
 def test_protocols_are_well_described():

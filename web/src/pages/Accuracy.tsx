@@ -30,7 +30,9 @@ function Mark({ verdict }: { verdict: Verdict }) {
 
 function Row({ one }: { one: AccuracyFigure }) {
   const judged = isJudged(one);
-  const isDrawn = judged && one.each !== 'recording';
+  // A mean stands in no other column.
+  const hasEstimate = judged || one.judged_by === 'mean';
+  const isDrawn = hasEstimate && one.each !== 'recording';
   return (
     <tr className={judged ? undefined : 'row-left-out'}>
       <th scope="row">{one.name}</th>
@@ -38,12 +40,13 @@ function Row({ one }: { one: AccuracyFigure }) {
       <td className="number">
         {judged ? `${one.at_most ? '≤' : '≥'} ${figure(one.required, one.unit)}` : t('accuracy.shownOnly')}
       </td>
-      <td className="number strong">{judged && figure(one.judged, one.unit)}</td>
+      <td className="number strong">{hasEstimate && figure(one.judged, one.unit)}</td>
       <td className="number">
         {isDrawn && t('accuracy.from', { low: figure(one.low, one.unit), high: figure(one.high, one.unit) })}
       </td>
       <td className="number">{figure(one.median, one.unit)}</td>
       <td className="number">{figure(one.worst, one.unit)}</td>
+      <td className="number">{number(one.values.length)}</td>
       <td>{judged && <Mark verdict={one.verdict} />}</td>
     </tr>
   );
@@ -64,6 +67,7 @@ function Table({ figures, caption }: { figures: readonly AccuracyFigure[]; capti
             <th scope="col">{t('accuracy.interval')}</th>
             <th scope="col">{t('accuracy.median')}</th>
             <th scope="col">{t('accuracy.worst')}</th>
+            <th scope="col">{t('accuracy.count')}</th>
             <th scope="col">{t('accuracy.mark')}</th>
           </tr>
         </thead>

@@ -69,4 +69,14 @@ describe('the accuracy page', () => {
     expect(screen.getByText('1 are open: the limit lies within the confidence interval. 1 fall short.')).toBeTruthy();
     expect(screen.getByText('1.5° to 2.1°')).toBeTruthy();
   });
+
+  it('shows the mean of a figure without a limit, and how many values it is of', async () => {
+    const shown = { ...figure('pass'), required: null, judged_by: 'mean' as const, values: [0.5, 0.7, 0.9] };
+    const report = { ...REPORT, protocols: [{ ...protocol('two', 'short'), figures: [shown] }] };
+    renderPage(<AccuracyPage />, { at: '/accuracy', path: '/accuracy', answers: { '/api/accuracy': report } });
+    expect(await screen.findByText('0.6° to 0.8°')).toBeTruthy();
+    expect(screen.getByRole('cell', { name: '0.7°' })).toBeTruthy();
+    expect(screen.getByRole('columnheader', { name: 'Count' })).toBeTruthy();
+    expect(screen.getByRole('cell', { name: '3' })).toBeTruthy();
+  });
 });

@@ -22,6 +22,7 @@ export const research: Translated<typeof english> = {
   'accuracy.from': '{low} bis {high}',
   'accuracy.median': 'Unsere, Median',
   'accuracy.worst': 'Unsere, schlechteste',
+  'accuracy.count': 'Anzahl',
   'accuracy.mark': 'Urteil',
   'accuracy.met': 'Erfüllt',
   'accuracy.open': 'Offen',

@@ -19,6 +19,7 @@ export const research = {
   'accuracy.from': '{low} to {high}',
   'accuracy.median': 'Ours, median',
   'accuracy.worst': 'Ours, worst',
+  'accuracy.count': 'Count',
   'accuracy.mark': 'Mark',
   'accuracy.met': 'Met',
   'accuracy.open': 'Open',
