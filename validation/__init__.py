@@ -105,6 +105,7 @@ from validation.shoes.mass_centre import (
     MASS_CENTRE,
     STROKE_GAIT,
 )
+from validation.worlds.experiment import ORIENTATION_WORLDS
 
 _PROTOCOLS = (
     STATIC_ANGLES,
@@ -136,6 +137,7 @@ _PROTOCOLS = (
     CONSISTENCY,
     COVARIANCE,
     HONESTY,
+    ORIENTATION_WORLDS,
     STATIC_IRON,
     QUARTER_TURNS,
     ELBOW_FLEXION,

@@ -108,9 +108,9 @@ class Conditions:
         if self.axes == 9:
             found += [f"field: {self.field}", f"dip: {_dip_band(abs(self.dip_rad))}"]
         found += [f"clip: {self.clip}", f"rate: {_rate_band(self.rate_hz)}", f"axes: {self.axes}"]
-        found += [f"loss: {self.loss}", f"frozen: {self.freeze}"]
-        found.append(f"soft tissue: {'yes' if self.has_soft_tissue else 'no'}")
-        found.append(f"warming: {'yes' if self.is_warming else 'no'}")
+        found += [f"loss: {self.loss}"] * (self.loss != "none")
+        found += [f"frozen: {self.freeze}"] * (self.freeze != "none")
+        found += ["soft tissue"] * self.has_soft_tissue + ["warming"] * self.is_warming
         return tuple(found)
 
 
@@ -128,9 +128,9 @@ ROWS: Final = (
     *(f"dip: {band}" for band in DIP_BANDS),
     *(f"rate: {band}" for band in RATE_BANDS),
     *(f"axes: {count}" for count in dict.fromkeys(_AXES)),
-    *(f"loss: {kind}" for kind in dict.fromkeys(_LOSSES)),
-    *(f"frozen: {kind}" for kind in dict.fromkeys(_FREEZES)),
-    *(f"{kind}: {answer}" for kind in ("soft tissue", "warming") for answer in ("yes", "no")),
+    *(f"loss: {kind}" for kind in dict.fromkeys(_LOSSES) if kind != "none"),
+    *(f"frozen: {kind}" for kind in dict.fromkeys(_FREEZES) if kind != "none"),
+    *("soft tissue", "warming"),
 )
 
 

@@ -21,6 +21,7 @@ SHORT = {
     "magnetic_fusion_checks",
     "orientation_cuts",
     "orientation_honesty",
+    "orientation_worlds",
     "repetitions",
 }
 """What falls short today; the page shows it. Nothing else may."""
