@@ -90,7 +90,7 @@ SessionTime = Annotated[float, Field(ge=0, le=1e7)]
 
 
 class SentenceOut(Schema):
-    """A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`."""
+    """A sentence for people, for whoever says it in another language: see `messages/en.json`."""
 
     code: str
     """Stable name of the sentence."""

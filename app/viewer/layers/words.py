@@ -5,12 +5,12 @@ from typing import Final
 
 from app.recordings.schemas import ViewLanguage
 from app.sentences import CATALOGUE, Sentence
-from app.sentences.german import GERMAN
 from estimators.sentences import Catalogue
+from messages import messages_in
 
 Words = Callable[[Sentence], str]
 
-_CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(GERMAN)}
+_CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(messages_in("de"))}
 
 
 def words_in(language: ViewLanguage) -> Words:
