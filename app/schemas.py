@@ -7,8 +7,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
-from app.sentences import CATALOGUE, Sentence
-from estimators.sentences import for_json
+from estimators.sentences import CATALOGUE, Sentence, for_json
 
 SessionState = Literal[
     "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Final
 
 from app.recordings.schemas import ViewLanguage
-from app.sentences import CATALOGUE, Sentence
-from estimators.sentences import Catalogue
+from estimators.sentences import CATALOGUE, Catalogue, Sentence
 from messages import messages_in
 
 Words = Callable[[Sentence], str]

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.sentences import CATALOGUE
 from app.viewer.layers.words import words_in
 from app.viewer.pose import SEGMENTS, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from app.viewer.stage import LoopbackServer
 from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS
+from estimators.sentences import CATALOGUE
 
 PAGE_WORDS = Path(__file__).resolve().parents[3] / "web" / "src" / "i18n" / "en" / "motion.ts"
 

@@ -11,10 +11,10 @@ from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
 from app.live.checks.live_words import _WORDS
 from app.live.checks.plausibility import Checked, check
-from app.sentences import say
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere, TwoLooks
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from messages import messages_in
 from tests.said import codes
