@@ -56,7 +56,7 @@ web/node_modules/installed: web/package-lock.json
 	@cd web && npm ci --silent --no-audit --no-fund
 	@touch $@
 
-WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts -type f 2>/dev/null)
+WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts messages/*.json -type f 2>/dev/null)
 web/dist/index.html: web/node_modules/installed $(WEB_SOURCES)
 	@echo "Building the browser client ..."
 	@cd web && npm run --silent build

@@ -35,8 +35,8 @@ class TelemotionError(Exception):
     Parameters
     ----------
     message : Sentence or str
-        What was wrong and what to do, without patient data. A sentence (`app.sentences.say`) where people read it,
-        so that it can be translated; plain text on the command line.
+        What was wrong and what to do, without patient data. A sentence (`say` of `estimators.sentences`) where people
+        read it, so that it can be translated; plain text on the command line.
     details : dict, optional
         Machine-readable facts: field names, limits, positions.
     """

@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Final, Literal, Protocol
 
 from app.errors import LimitReached, Unavailable
-from app.sentences import Sentence, say
 from app.settings import Allowance
+from estimators.sentences import Sentence, say
 
 Resource = Literal["views", "streams", "sockets", "uploads", "exports"]
 

@@ -25,9 +25,9 @@ from sqlalchemy.orm import InstrumentedAttribute, Session
 from sqlalchemy.sql.elements import ColumnElement
 
 from app.errors import InvalidInput
-from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
+from estimators.sentences import say
 
 ROWS: Final = 50
 """Rows of a page when the request does not say."""

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
-from app.sentences import CATALOGUE, Sentence
-from estimators.sentences import for_json
+from estimators.sentences import CATALOGUE, Sentence, for_json
 
 SessionState = Literal[
     "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
@@ -90,7 +89,7 @@ SessionTime = Annotated[float, Field(ge=0, le=1e7)]
 
 
 class SentenceOut(Schema):
-    """A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`."""
+    """A sentence for people, for whoever says it in another language: see `messages/en.json`."""
 
     code: str
     """Stable name of the sentence."""

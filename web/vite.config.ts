@@ -47,6 +47,8 @@ export default defineConfig({
   },
   worker: { format: 'es' },
   server: {
+    // The sentences of the service stand beside this folder.
+    fs: { allow: ['.', '../messages'] },
     proxy: Object.fromEntries(['/api', '/ws', '/viewer'].map((path) => [path, { target: service, ws: true }])),
   },
   test: {

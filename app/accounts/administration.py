@@ -17,8 +17,8 @@ from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
 from app.pages import Page, rows_of
-from app.sentences import say
 from app.services import Services
+from estimators.sentences import say
 
 NO_SUCH_ACCOUNT = say("account.not_found")
 

@@ -7,8 +7,8 @@ from app.accounts.models import Clinic
 from app.accounts.schemas import ClinicOut, ClinicPatch
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, NotAllowed
-from app.sentences import say
 from app.time_zones import is_time_zone
+from estimators.sentences import say
 
 
 def read_clinic(session: Session, subject: Subject, default_zone: str) -> ClinicOut:

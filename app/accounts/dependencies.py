@@ -28,9 +28,9 @@ from app.accounts.device_tokens import subject_of_device_token
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotAllowed, SignInRequired
-from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
+from estimators.sentences import say
 
 IDLE_HEADER = "X-Idle-Seconds"
 CSRF_HEADER = "X-CSRF-Token"

@@ -12,8 +12,8 @@ from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
 from app.errors import NotFound, SignInRequired
 from app.pages import Page, rows_of
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 ALGORITHM = "HS256"
 AUDIENCE = "telemotion:device"

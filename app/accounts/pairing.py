@@ -21,8 +21,8 @@ from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import SignInRequired, TooManyAttempts
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 ALPHABET: Final = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Without characters that are mistaken for each other."""

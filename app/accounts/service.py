@@ -23,8 +23,8 @@ from app.accounts.refusals import RefusedSignIns
 from app.accounts.schemas import Me, PasswordIn, SecondFactorSetup, SignInRequest
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import CodeRequired, Conflict, InvalidInput, SignInRequired
-from app.sentences import say
 from app.services import Services
+from estimators.sentences import say
 
 WRONG = say("sign_in.wrong")
 

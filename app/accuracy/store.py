@@ -5,7 +5,7 @@ from importlib.resources import files
 
 from app.accuracy.schemas import AccuracyReport
 from app.errors import NotFound
-from app.sentences import say
+from estimators.sentences import say
 
 FILE = "report.json"
 """Written by `telemotion validate --out app/accuracy/report.json`, so that every number has its command."""

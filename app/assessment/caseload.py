@@ -39,8 +39,8 @@ from app.patients.access import visible_patients
 from app.patients.models import Patient
 from app.patients.repository import note_once_an_hour, treated_patients
 from app.recordings.models import MotionSession
-from app.sentences import say
 from estimators.comparison import measure_label
+from estimators.sentences import say
 
 Reason = Literal[
     "pain",

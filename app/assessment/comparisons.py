@@ -37,7 +37,6 @@ from app.patients.models import Patient
 from app.recordings import repository as recordings
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
-from app.sentences import say
 from estimators.comparison import (
     TOGETHER,
     ComparisonResult,
@@ -49,6 +48,7 @@ from estimators.comparison import (
     mirror_template,
 )
 from estimators.errors import ComparisonError, EstimationError
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

@@ -31,9 +31,9 @@ from app.exercises.doses import DoseHistory, DoseThen, dose_on, doses_of
 from app.exercises.models import Prescription, TemplateVersion
 from app.exercises.schemas import PrescriptionChangeOut, PrescriptionOut
 from app.recordings.models import MotionSession
-from app.sentences import say
 from app.time_zones import time_zone, week_start
 from estimators.errors import EstimationError
+from estimators.sentences import say
 
 ADHERENCE_WINDOW = timedelta(days=28)
 WHEN = func.coalesce(MotionSession.started_at, MotionSession.created_at)

@@ -24,9 +24,9 @@ from app.exercises.models import Exercise, Prescription, Template, TemplateVersi
 from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings.models import SessionEvent
-from app.sentences import Sentence, say
 from estimators.comparison import measure_label
 from estimators.gait import GUIDED_KINDS
+from estimators.sentences import Sentence, say
 
 
 def progress(

@@ -22,7 +22,7 @@ from app.pages import Page, rows_of
 from app.patients.access import require_patient
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
-from app.sentences import say
+from estimators.sentences import say
 
 NO_SUCH_TEMPLATE = say("template.not_found")
 NO_SUCH_COMPARISON = say("comparison.not_found")

@@ -6,7 +6,7 @@ from sqlalchemy import String
 from sqlalchemy.engine import Dialect
 from sqlalchemy.types import TypeDecorator
 
-from app.sentences import CATALOGUE, Sentence
+from estimators.sentences import CATALOGUE, Sentence
 
 _MARK = '{"code": '
 LONGEST_PLAIN = 500

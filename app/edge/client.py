@@ -13,8 +13,8 @@ from starlette.responses import Response
 
 from app.edge.error_answers import allowed_methods, method_not_allowed
 from app.errors import NotFound
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 _TREE = Path(__file__).resolve().parents[2] / "web" / "dist"
 _PACKAGED = Path(__file__).resolve().parents[1] / "static"

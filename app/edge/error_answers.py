@@ -26,7 +26,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDiscon
 from app.errors import TelemotionError
 from app.logs import request_id
 from app.schemas import Spoken
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger("telemotion.errors")
 

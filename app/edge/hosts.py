@@ -12,8 +12,8 @@ from urllib.parse import urlsplit
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.edge.error_answers import answer
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 BY_ADDRESS: Final = frozenset({"/api/health", "/api/ready", "/metrics"})
 """Asked by programs that watch over the service, which know a machine by its address in figures."""

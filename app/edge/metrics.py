@@ -8,8 +8,8 @@ from fastapi.responses import PlainTextResponse
 
 from app.edge.registry import CONTENT_TYPE, Registry
 from app.errors import NotAllowed
-from app.sentences import say
 from app.services import services_of
+from estimators.sentences import say
 
 router = APIRouter(include_in_schema=False)
 

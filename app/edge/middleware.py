@@ -14,8 +14,8 @@ from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.edge.error_answers import BodyTooLarge, answer, unexpected
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 logger = logging.getLogger("telemotion.requests")
 

@@ -18,11 +18,11 @@ from app.exercises.models import Exercise, Prescription, PrescriptionChange, Tem
 from app.exercises.schemas import ExerciseChange, ExerciseIn, PrescriptionChangeIn, PrescriptionIn
 from app.patients.access import require_patient
 from app.patients.models import Patient
-from app.sentences import say
 from estimators.arm import MODEL_ANGLES
 from estimators.comparison import TRUNK_CHANNELS
 from estimators.gait import GUIDED_KINDS
 from estimators.leg import LEG_ANGLES
+from estimators.sentences import say
 
 NO_SUCH_PRESCRIPTION = say("prescription.not_found")
 

@@ -11,7 +11,7 @@ from python_multipart.multipart import MultipartParser, parse_options_header
 
 from app.errors import InvalidInput, TooLarge
 from app.recordings.files_in_passing import open_private
-from app.sentences import say
+from estimators.sentences import say
 
 MAX_FIELD_BYTES: Final = 256 * 1024
 _WRITE_BYTES: Final = 1 << 20

@@ -15,10 +15,10 @@ from app.readers.markers.schemas import (
     MarkerGapCheck,
     MarkerReport,
 )
-from app.sentences import CATALOGUE, say
 from estimators.errors import ContradictionError, EstimationError
 from estimators.optical import TURNS, OpticalFusion, OpticalResult, Provenance, fuse_markers
 from estimators.recording import Float
+from estimators.sentences import CATALOGUE, say
 
 _POINTS: Final = 600
 _GAPS: Final = 100

@@ -16,8 +16,8 @@ from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.offline import aligned
 from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession
-from app.sentences import CATALOGUE, say
 from estimators.recording import Float, SampleQuality
+from estimators.sentences import CATALOGUE, say
 
 
 def fuse(context: JobContext) -> str:

@@ -24,8 +24,8 @@ from app.recordings.analysis.jobs import JobRunner
 from app.recordings.files_in_passing import upload_folder
 from app.recordings.schemas import JobOut
 from app.recordings.signals.disk import DiskUse, Room
-from app.sentences import say
 from app.services import services_of
+from estimators.sentences import say
 
 FILE_LIMIT_BYTES: Final = 64 << 20
 SESSION_LIMIT_BYTES: Final = 256 << 20

@@ -30,11 +30,11 @@ from app.recordings.files_in_passing import upload_folder
 from app.recordings.models import MotionSession
 from app.recordings.schemas import JobOut, UploadIn
 from app.recordings.signals.disk import DiskUse, Room
-from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
 from estimators.conventions import Placement
 from estimators.pipelines import SessionSetup
+from estimators.sentences import say
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
 router = APIRouter(prefix="/api", tags=["sessions"])

@@ -28,8 +28,8 @@ from app.recordings.repository import prescribed_at
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
 from app.recordings.signals.rows import insert_chunk
-from app.sentences import CATALOGUE, say
 from estimators.pipelines import SessionSetup
+from estimators.sentences import CATALOGUE, say
 
 _CHUNK_TICKS: Final = 100
 _CHUNKS_A_COMMIT: Final = 16

@@ -41,7 +41,7 @@ from app.network.packet import (
     packet_from_json,
 )
 from app.schemas import Schema
-from app.sentences import say
+from estimators.sentences import say
 
 HELLO_TIMEOUT_S = 10.0
 ACKNOWLEDGE_EVERY_S = 0.5

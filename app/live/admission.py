@@ -17,7 +17,7 @@ from typing import Final
 from app.errors import Unavailable
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
-from app.sentences import say
+from estimators.sentences import say
 
 FULL: Final = say("live.full")
 TURN_S: Final = 0.25

@@ -17,8 +17,8 @@ from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
 from app.live.service import SteeredLiveService
 from app.recordings.schemas import MarkIn
-from app.sentences import say
 from app.services import services_of
+from estimators.sentences import say
 
 steering_router = APIRouter(prefix="/api/sessions", tags=["live"])
 

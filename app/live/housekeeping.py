@@ -8,7 +8,7 @@ from typing import Final
 
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN, STREAMING
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

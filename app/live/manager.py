@@ -38,8 +38,8 @@ from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.schemas import Schema
-from app.sentences import Sentence, say
 from estimators.pipelines import SessionSetup
+from estimators.sentences import Sentence, say
 
 logger = logging.getLogger(__name__)
 

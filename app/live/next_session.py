@@ -16,9 +16,9 @@ from app.patients.access import require_patient
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.models import MotionSession
 from app.schemas import Schema, SessionState
-from app.sentences import say
 from app.services import services_of
 from estimators.conventions import Placement
+from estimators.sentences import say
 
 router = APIRouter(prefix="/api/devices", tags=["live"])
 

@@ -35,8 +35,8 @@ from app.recordings.models import DEAD_LINK, LiveCheckpoint, MotionSession, Resu
 from app.recordings.signals.checkpoints import forget_checkpoints
 from app.recordings.signals.chunks import frames_stream
 from app.schemas import SessionState
-from app.sentences import say
 from estimators.pipelines import Calibration, Pipeline, SessionSetup
+from estimators.sentences import say
 
 NO_SUCH_SESSION = say("session.not_found")
 MOST_MISSING = (1 << 31) - 1

@@ -26,13 +26,13 @@ from app.network.placing.kernel import place
 from app.network.unpack_kernel import unpack
 from app.recordings.analysis.kinds import kinds
 from app.recordings.signals.frame_kernel import pack_frames, unpack_frames
-from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.guidance.live import GuidanceRunner
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
 from estimators.pipelines.arm.pool import APART, CALLED
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

@@ -32,8 +32,8 @@ from app.network.conversation import until_first_ends
 from app.network.lean_sockets import LeanSocket, lean_socket
 from app.network.messages import ErrorMessage
 from app.schemas import Schema
-from app.sentences import say
 from app.services import Services, services_of
+from estimators.sentences import say
 
 TICKET_TIMEOUT_S = 10.0
 FRAMES_KEPT = 16

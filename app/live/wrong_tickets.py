@@ -13,7 +13,7 @@ from app.errors import SignInRequired, TooManyAttempts
 from app.ingest.contract import Intake, PacketSink
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
-from app.sentences import say
+from estimators.sentences import say
 
 WRONG: Final = Limit(capacity=60, recovery_s=1.0)
 """Of an address, which a whole clinic may share."""

@@ -17,10 +17,10 @@ from app.network.declaration import Declaration
 from app.network.packet import Packet
 from app.network.placing.slot import SNAP_TICKS, Network, carried_by
 from app.network.unpack import Unpacker
-from app.sentences import say
 from estimators.channels import CARRIED, INERTIAL, Channel, ChannelSpec
 from estimators.kernels.slots import into_row
 from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.sentences import say
 from estimators.signals import bridge
 
 REORDER_WINDOW_S = 0.150

@@ -16,7 +16,7 @@ from app.errors import PacketError
 from app.network.declaration import ClockEpoch, Declaration
 from app.network.packet import Packet
 from app.network.raw_packet import RawPacket
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 MAX_GAP_US = 600_000_000
 """A session with a longer hole is two sessions."""

@@ -10,10 +10,10 @@ import numpy as np
 
 from app.errors import PacketError
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
-from app.sentences import say
 from estimators.channels import CHANNELS
 from estimators.conventions import Placement
 from estimators.recording import Float
+from estimators.sentences import say
 
 WALKING: Final = "gait"
 _COUNTED: Final = tuple(spec for spec in CHANNELS if spec.scale_limit is not None)

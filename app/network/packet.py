@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from app.errors import PacketError
 from app.network.declaration import Declaration
 from app.network.messages import JsonPacket, JsonSensor
-from app.sentences import say
 from estimators.channels import CHANNELS, Channel, ChannelSpec
+from estimators.sentences import say
 
 MAGIC: Final = b"BNP1"
 HEADER_BYTES: Final = 32

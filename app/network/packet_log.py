@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, Final
 from app.errors import RecordingFormatError
 from app.network.packet import MAX_PACKET_BYTES, encode_packet
 from app.network.raw_packet import RawPacket
-from app.sentences import say
+from estimators.sentences import say
 
 MAGIC: Final = b"TML1"
 MAX_HELLO_BYTES: Final = 64 * 1024

@@ -41,7 +41,7 @@ from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import NotAllowed, NotFound
 from app.patients.models import Grant, Patient
-from app.sentences import say
+from estimators.sentences import say
 
 Level = Literal["status", "read", "record", "treat", "manage", "erase"]
 

@@ -15,8 +15,8 @@ from app.database.base import utc_now
 from app.errors import NotFound
 from app.pages import Page
 from app.patients.access import require_own_or_manage
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 
 def device_tokens(session: Session, subject: Subject, patient_id: str, page: Page) -> list[DeviceTokenOut]:

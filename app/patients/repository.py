@@ -14,7 +14,7 @@ from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
 from app.pages import Page, rows_of
 from app.patients.access import Level, is_in_force, levels, require_patient, visible_patients
 from app.patients.models import Grant, Mounting, Patient
-from app.sentences import say
+from estimators.sentences import say
 
 NO_SUCH_GRANT = say("grant.not_found")
 

@@ -19,7 +19,7 @@ from app.patients import repository
 from app.patients.access import require_own_or_manage, require_patient
 from app.patients.models import Grant, Patient
 from app.patients.schemas import BodyDimensionsIn, MountingOut, NewPatientIn, PatientOut, PatientPatch
-from app.sentences import say
+from estimators.sentences import say
 
 
 def list_patients(

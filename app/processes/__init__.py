@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from app.errors import Unavailable
-from app.sentences import say
+from estimators.sentences import say
 
 _PRELOADED: Final = ("app.processes.lower_priority", "app.tables")
 _context = multiprocessing.get_context("forkserver")

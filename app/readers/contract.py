@@ -11,8 +11,8 @@ from app.readers.tables.text import encoding_of, start_of
 
 if TYPE_CHECKING:
     from app.readers.tables.schemas import CsvMapping
-    from app.sentences import Sentence
     from estimators.recording import Recording
+    from estimators.sentences import Sentence
 
 TEXT: Final = frozenset({".csv", ".txt", ".tsv", ".dat", ".asc"})
 """Endings of tables."""

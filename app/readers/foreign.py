@@ -3,7 +3,7 @@
 import re
 from typing import Final
 
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 _LOOKED_AT: Final = 8192
 _ZIP: Final = b"PK\x03\x04"

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
 from app.errors import ImplausibleReadings
-from app.sentences import Sentence, say
 from estimators.calibration import (
     STRETCH_S,
     Correction,
@@ -16,6 +15,7 @@ from estimators.calibration import (
     same_signals,
 )
 from estimators.recording import ImuChunk
+from estimators.sentences import Sentence, say
 
 PIECE_TICKS: Final = 1000
 

@@ -20,8 +20,8 @@ from app.network.ranges import SequenceRanges
 from app.network.raw_packet import RawPacket
 from app.readers.moments import moment_of
 from app.readers.packets import stamped
-from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
+from estimators.sentences import say
 
 
 @dataclass

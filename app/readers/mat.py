@@ -5,7 +5,7 @@ from typing import Any
 
 from app.errors import RecordingFormatError
 from app.readers.unpacked import check_mat
-from app.sentences import say
+from estimators.sentences import say
 
 
 def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
 
 from app.errors import RecordingFormatError
 from app.readers.unpacked import MOST_BYTES
-from app.sentences import say
+from estimators.sentences import say
 
 ZIP_MARK: Final = b"PK\x03\x04"
 MOST_MEMBERS: Final = 200

@@ -11,10 +11,10 @@ from app.errors import RecordingFormatError
 from app.network.declaration import Declaration, check_placements
 from app.network.raw_packet import FLOAT32, RawPacket
 from app.readers.sensor_names import check_names
-from app.sentences import say
 from estimators.channels import INERTIAL, INERTIAL_WIDTH, Channel
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 _RATE, _FORCE, _INERTIAL, _FIELD = (
     slice(0, 3),

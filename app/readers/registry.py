@@ -11,7 +11,7 @@ from app.readers.contract import Reader, Source
 from app.readers.foreign import what_it_is
 from app.readers.members import ZIP_MARK
 from app.readers.tables.text import start_of
-from app.sentences import say
+from estimators.sentences import say
 
 if TYPE_CHECKING:
     from app.readers.tables.schemas import CsvMapping

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from app.errors import RecordingFormatError
-from app.sentences import say
+from estimators.sentences import say
 
 PATTERN: Final = r"^(?:\w[\w .-]*)?$"
 """Letters, digits, blanks, `_`, `-` and `.`, a letter or digit first."""

@@ -6,9 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.sentences import say
 from estimators.channels import CHANNELS
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 MOST_HZ: Final = 1000.0
 """What sessions and packets hold; movement of people has nothing above it."""

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from app.errors import ImplausibleReadings, RecordingFormatError
-from app.sentences import Sentence, say
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gravity import calm_size
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 TO_SI: Final[dict[str, float]] = {
     "rad/s": 1.0,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from app.errors import RecordingFormatError
-from app.sentences import say
+from estimators.sentences import say
 
 if TYPE_CHECKING:
     import h5py

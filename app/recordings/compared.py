@@ -8,7 +8,6 @@ from sqlalchemy.orm import Session
 from app.errors import InvalidInput
 from app.recordings.models import MotionSession, Result
 from app.recordings.signals.store import read_frames
-from app.sentences import say
 from estimators.comparison import (
     NamedPhase,
     Repetition,
@@ -20,6 +19,7 @@ from estimators.comparison import (
 from estimators.conventions import Side
 from estimators.errors import ComparisonError
 from estimators.pipelines import Frames, SessionSetup
+from estimators.sentences import say
 
 
 @dataclass(frozen=True)

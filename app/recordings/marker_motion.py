@@ -16,8 +16,8 @@ from app.recordings import repository
 from app.recordings.markers import COLUMNS, KIND, MOTION_STREAM, sound
 from app.recordings.models import Job, SignalChunk
 from app.recordings.signals import codecs
-from app.sentences import say
 from estimators.samples import Samples
+from estimators.sentences import say
 
 LONGEST_S: Final = 120.0
 """Of a stretch for curves."""

@@ -26,7 +26,7 @@ from app.recordings.models import Job, MotionSession, SignalChunk
 from app.recordings.signals import codecs
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.rows import insert_chunk
-from app.sentences import say
+from estimators.sentences import say
 
 KIND: Final = "markers"
 _PIECE_BYTES: Final = 4 << 20

@@ -21,8 +21,8 @@ from app.patients.access import Level, require_patient
 from app.patients.models import Mounting, Patient
 from app.recordings.files_in_passing import remove_files_of
 from app.recordings.models import WALK_STREAM, Job, MotionSession, Result, SessionEvent, SignalChunk
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 NO_SUCH_SESSION = say("session.not_found")
 

@@ -33,11 +33,11 @@ from app.recordings.schemas import (
 from app.recordings.signals.checkpoints import forget_checkpoints
 from app.recordings.signals.chunks import layout_from_dict
 from app.recordings.signals.store import read_frames, read_packets, stored_ranges
-from app.sentences import CATALOGUE, say
 from estimators import orientation, pipelines
 from estimators.body import BodyDimensions, body_from_stature
 from estimators.errors import EstimationError
 from estimators.pipelines import Calibration, FrameLayout, Frames, SessionSetup
+from estimators.sentences import CATALOGUE, say
 
 MAX_POINTS: Final = 20_000
 """Most ticks that one answer of `/frames` holds; more is thinned."""

@@ -20,8 +20,8 @@ from app.database import engine as engines
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict
 from app.scaled.models import PartitionHold
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 _ENTRY: Final = "stream."
 

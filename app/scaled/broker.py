@@ -21,8 +21,8 @@ from nats.protocol.parser import PERMISSIONS_ERR
 from app.errors import InvalidInput
 from app.scaled.credentials import read_credentials
 from app.scaled.wire import Seal, subject
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

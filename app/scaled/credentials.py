@@ -16,7 +16,7 @@ from typing import Final
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from app.errors import InvalidInput
-from app.sentences import say
+from estimators.sentences import say
 
 _SEED: Final = 18 << 3
 _MOST_BYTES: Final = 64 << 10

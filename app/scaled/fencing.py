@@ -18,7 +18,7 @@ from sqlalchemy.exc import OperationalError
 from app.database.base import utc_now
 from app.errors import Conflict
 from app.scaled.models import PartitionHold
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

@@ -11,8 +11,8 @@ from app.database.base import new_id
 from app.errors import Conflict
 from app.scaled.broker import Broker, connect, stream_name
 from app.scaled.wire import NotSealed, subject
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 ANSWER_S: Final = 10.0
 

@@ -24,9 +24,8 @@ from app.live.calibration.messages import CalibrationMessage
 from app.live.guidance.messages import GuidanceMessage
 from app.live.messages import EventMessage, HealthMessage, LayoutMessage, StateMessage
 from app.schemas import Schema
-from app.sentences import CATALOGUE
 from estimators.pipelines import FrameLayout, Frames
-from estimators.sentences import for_json
+from estimators.sentences import CATALOGUE, for_json
 
 ROOT: Final = "telemotion"
 

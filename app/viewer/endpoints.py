@@ -16,11 +16,11 @@ from app.errors import InvalidInput, TelemotionError
 from app.live.checks.pulse import Pulse
 from app.live.messages import CameraCommand, ErrorMessage, PlayerCommand
 from app.recordings.schemas import ViewIn, ViewOut
-from app.sentences import say
 from app.services import Services, services_of
 from app.viewer.page import build_page
 from app.viewer.proxy import keep_checking, relay, until_one_ends
 from app.viewer.service import View, Viewer
+from estimators.sentences import say
 
 router = APIRouter(tags=["views"])
 

@@ -19,7 +19,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from app.errors import Unavailable
-from app.sentences import say
+from estimators.sentences import say
 
 HEADER: Final = "X-Telemotion-Scene"
 _one_at_a_time = threading.Lock()

@@ -17,8 +17,8 @@ import viser
 import zstandard
 
 from app.errors import Unavailable
-from app.sentences import say
 from app.viewer.layers.palette import PALETTES, Palette
+from estimators.sentences import say
 
 _ALPHABET: Final = "".join(chr(code) for code in range(0x21, 0x7F) if chr(code) not in "\"&<>'`")
 _SCRIPT: Final = re.compile(r"<script(?P<attributes>[^>]*)>(?P<code>.*?)</script>", re.DOTALL)

@@ -19,11 +19,11 @@ from websockets.typing import Subprotocol
 from app.accounts.dependencies import websocket_subject
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, Unavailable
-from app.sentences import say
 from app.viewer import wire
 from app.viewer.camera import Camera
 from app.viewer.service import View, Viewer
 from app.viewer.stage import Stage
+from estimators.sentences import say
 
 _INJECTED_KEPT: Final = 32
 _BATCHES_TO_GREETING: Final = 400

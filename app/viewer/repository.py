@@ -20,7 +20,6 @@ from app.recordings.analysis.kinds import View, kind_of
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import ViewIn, ViewLanguage
 from app.recordings.signals.store import read_frames
-from app.sentences import say
 from app.viewer.figure.ghost import Ghost, GhostClock, ghost_from_template
 from app.viewer.fluent import fluent
 from app.viewer.layers.markers import markers_of
@@ -41,6 +40,7 @@ from estimators.comparison import (
 )
 from estimators.conventions import Side
 from estimators.pipelines import SessionSetup
+from estimators.sentences import say
 
 Mode = Literal["live", "replay"]
 NO_SUCH_TEMPLATE = say("template.not_found")

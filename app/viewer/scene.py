@@ -11,7 +11,6 @@ import viser
 from numpy.typing import NDArray
 
 from app.exercises.models import Posture
-from app.sentences import Sentence
 from app.viewer.figure.body_mesh import build_figure
 from app.viewer.figure.ghost import Limb
 from app.viewer.figure.ghost_node import GhostNode
@@ -29,6 +28,7 @@ from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.silence import NO_DATA
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
+from estimators.sentences import Sentence
 
 _FADED: Final = 0.45
 """Opacity of a segment that gives nothing, or of which nobody knows well enough where it is."""

@@ -24,12 +24,12 @@ from app.limits import Hold, Limits
 from app.live.bus import Bus
 from app.live.messages import CameraCommand, PlayerCommand, PlayerState
 from app.recordings.schemas import ViewIn, ViewOut
-from app.sentences import say
 from app.viewer import repository, wire
 from app.viewer.camera import Camera
 from app.viewer.figure.ghost_node import ghost_visibility
 from app.viewer.repository import ViewTarget
 from app.viewer.stage import Stage, theme_messages
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

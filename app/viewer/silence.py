@@ -4,7 +4,7 @@ from typing import Final
 
 from app.live.messages import HealthMessage, StateMessage
 from app.schemas import SessionState
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 NO_DATA: Final = say("viewer.silent")
 NO_PICTURE: Final = say("viewer.no_picture")

@@ -2,17 +2,12 @@
 
 import json
 import math
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Mapping, Sequence
+from typing import Any
 
-from estimators.sentences._formats import LISTS, is_of_codes, joined, written
+from estimators.sentences._formats import joined, written
+from estimators.sentences._message import Message, Place, Plural, parsed
 from estimators.sentences._sentence import Sentence
-
-Entry = str | Mapping[str, str]
-"""Words with places, or `one` and `other` of them by the parameter `count`."""
-
-_PLACE: Final = re.compile(r"\{(\w+)(?::([^}]*))?\}")
 
 
 class Catalogue:
@@ -20,13 +15,14 @@ class Catalogue:
 
     Parameters
     ----------
-    entries : mapping of str to Entry
-        A place is `{name}` or `{name:format}`. A format is one of `written`, or the first part of a code:
-        `{where:place}` with the value `pelvis` is the entry `place.pelvis`, a list of values `a, b and c` of them
-        (`{where:place|or}`: `a, b or c`); a value without an entry is written as it is.
+    entries : mapping of str to str
+        Messages of `messages` by code. Places of the kinds `number` and `list` are written by `written`. The style of
+        the kind `code` is the first part of a code: `{where, code, place}` with the value `pelvis` is the entry
+        `place.pelvis`, a list of values `a, b and c` of them (`{where, code, place or}`: `a, b or c`); a value without
+        an entry is written as it is.
     """
 
-    def __init__(self, entries: Mapping[str, Entry]) -> None:
+    def __init__(self, entries: Mapping[str, str]) -> None:
         self.entries = entries
 
     def say(self, code: str, /, **parameters: Any) -> Sentence:
@@ -45,9 +41,7 @@ class Catalogue:
             No such entry, or a parameter is missing.
         """
         values = {name: _plain(value) for name, value in parameters.items()}
-        entry = self.entries[code]
-        words = entry if isinstance(entry, str) else entry["one" if values["count"] == 1 else "other"]
-        text = _PLACE.sub(lambda place: self._written(values[place[1]], place[2] or ""), words)
+        text = self._text(parsed(self.entries[code]), values)
         return Sentence(text[:1].upper() + text[1:], code, values)
 
     def together(self, texts: Sequence[str]) -> str:
@@ -72,23 +66,24 @@ class Catalogue:
         except (KeyError, TypeError, ValueError):
             return str(stored["text"])
 
-    def _written(self, value: Any, form: str) -> str:
-        if not is_of_codes(form):
-            return written(value, form)
-        kind, _, last = form.partition("|")
-        names = [self._named(kind, one) for one in (value if isinstance(value, list) else [value])]
-        return joined(names, LISTS[last or "and"])
-
-    def _named(self, kind: str, value: Any) -> str:
+    def name(self, kind: str, value: Any) -> str:
+        """Return a name as it stands within a sentence: `shoulder` of the kind `joint`; as it is where it has none."""
         entry = self.entries.get(f"{kind}.{value}")
-        return entry if isinstance(entry, str) else str(value)
+        return str(value) if entry is None else self._text(parsed(entry), {})
 
+    def _text(self, message: Message, values: Mapping[str, Any]) -> str:
+        return "".join(one if isinstance(one, str) else self._written(one, values) for one in message)
 
-def places(entry: Entry) -> Iterator[tuple[str, str]]:
-    """Yield name and format of every place of an entry."""
-    for words in [entry] if isinstance(entry, str) else entry.values():
-        for found in _PLACE.finditer(words):
-            yield found[1], found[2] or ""
+    def _written(self, part: Place | Plural, values: Mapping[str, Any]) -> str:
+        value = values[part.name]
+        if isinstance(part, Plural):
+            chosen = "one" if value == 1 and "one" in part.branches else "other"
+            return self._text(part.branches[chosen], values)
+        if part.kind != "code":
+            return written(value, part.kind, part.style)
+        kind, _, last = part.style.partition(" ")
+        names = [self.name(kind, one) for one in (value if isinstance(value, list) else [value])]
+        return joined(names, last or "and")
 
 
 def _plain(value: Any) -> Any:

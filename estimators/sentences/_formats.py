@@ -1,4 +1,4 @@
-"""How the value of a place `{name:format}` is written in English.
+"""How the value of a place is written in English.
 
 The client writes the same formats in the language of the reader (`web/src/i18n/sentence.ts`); both are held to
 `tests/data/sentence_formats.json`.
@@ -33,7 +33,7 @@ class Unit:
 
 
 UNITS: Final[dict[str, Unit]] = {
-    "number": Unit(1.0, "", 0),
+    "": Unit(1.0, "", 0),
     "s": Unit(1.0, " s", 0),
     "ms": Unit(1e3, " ms", 0),
     "min": Unit(1.0 / 60.0, " min", 0),
@@ -53,25 +53,28 @@ UNITS: Final[dict[str, Unit]] = {
     "kib": Unit(2.0**-10, " KiB", 0),
     "kg": Unit(1.0, " kg", 0),
 }
-LISTS: Final[dict[str, str]] = {"and": " and ", "or": " or "}
+_LAST: Final[dict[str, str]] = {"and": " and ", "or": " or "}
 
 
-def written(value: Any, form: str) -> str:
+def written(value: Any, kind: str, style: str) -> str:
     """Return a value in English.
 
     Parameters
     ----------
-    form : str
-        Empty: as it is. A unit, with `.1` for one digit after the point and `~3` for three in all: `deg`, `s.1`,
-        `number~3`. `and`, `or`: a list; sentences in it begin without a capital. `lines`: sentences one after another.
+    kind : str
+        Empty for a value that is written as it is, `number` or `list`.
+    style : str
+        Of a number: its unit, with `.1` for one digit after the point and `~3` for three in all: `deg`, `s.1`, `~3`.
+        Of a list: `and`, which is meant without a style, or `or`: sentences in it begin without a capital; `lines`:
+        sentences one after another.
     """
-    if form in LISTS:
-        return joined([_within(one) for one in value], LISTS[form])
-    if form == "lines":
-        return " ".join(str(one) for one in value)
-    if not form:
+    if not kind:
         return str(value)
-    name, digits, significant = parts(form)
+    if kind == "list":
+        if style == "lines":
+            return " ".join(str(one) for one in value)
+        return joined([_within(one) for one in value], style or "and")
+    name, digits, significant = parts(style)
     unit = UNITS[name]
     number = float(value) * unit.factor
     if significant is not None:
@@ -89,16 +92,9 @@ def _within(value: Any) -> str:
     return text[:1].lower() + text[1:] if isinstance(value, Sentence) else text
 
 
-def is_of_codes(form: str) -> bool:
-    """Return whether a format is the first part of the codes of names."""
-    return (
-        bool(form) and form not in (*LISTS, "lines") and form.partition(".")[0].partition("~")[0] not in UNITS
-    )
-
-
-def parts(form: str) -> tuple[str, int | None, int | None]:
-    """Return name, digits after the point and significant digits of a number's format."""
-    name, _, digits = form.partition(".")
+def parts(style: str) -> tuple[str, int | None, int | None]:
+    """Return unit, digits after the point and significant digits of a number's style."""
+    name, _, digits = style.partition(".")
     name, _, significant = name.partition("~")
     return name, int(digits) if digits else None, int(significant) if significant else None
 
@@ -108,7 +104,7 @@ def joined(words: Sequence[str], last: str) -> str:
 
     Parameters
     ----------
-    last : str
+    last : {"and", "or"}
         Between the last two.
     """
-    return last.join([*([", ".join(words[:-1])] if words[1:] else []), *words[-1:]])
+    return _LAST[last].join([*([", ".join(words[:-1])] if words[1:] else []), *words[-1:]])

@@ -9,7 +9,7 @@ from app.live.calibration.guides import GUIDES
 from app.network.messages import ErrorMessage
 from app.recordings.models import SessionEvent
 from app.recordings.schemas import CalibrationOut, SessionEventOut
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 from tests.app.recordings.conftest import new_session  # noqa: F401 - a fixture
 
 FAILED = say("job.analysis_failed", reason=say("sign_in.too_many", seconds=12))

@@ -204,22 +204,25 @@ def digests():
 @pytest.mark.slow
 def test_a_changed_sentence_recompiles_nothing_and_a_changed_filter_only_its_own(tmp_path):
     """The library with a comment on top of every file, another sentence, another error and another constant of VQF."""
-    copy = tmp_path / "estimators"
-    shutil.copytree(
-        Path(estimators.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__", "*.nb?")
-    )
-    for file in copy.rglob("*.py"):
+    house = Path(estimators.__file__).parents[1]
+    for package in ("estimators", "messages"):
+        unneeded = shutil.ignore_patterns("__pycache__", "*.nb?")
+        shutil.copytree(house / package, tmp_path / package, ignore=unneeded)
+    for file in tmp_path.rglob("*.py"):
         if file.parent.name != "compiling":
             file.write_text("# Moved down by a line.\n" + file.read_text())
     edits = {
-        "sentences/english/walking.py": ("steps", "paces"),
-        "errors.py": ("class ShapeError", "class AnotherError(Exception):\n    pass\n\n\nclass ShapeError"),
-        "orientation/vqf/_steps.py": ("0.5 *", "0.25 *"),
+        "messages/en.json": ("steps", "paces"),
+        "estimators/errors.py": (
+            "class ShapeError",
+            "class AnotherError(Exception):\n    pass\n\n\nclass ShapeError",
+        ),
+        "estimators/orientation/vqf/_steps.py": ("0.5 *", "0.25 *"),
     }
     for name, (before, after) in edits.items():
-        text = (copy / name).read_text()
+        text = (tmp_path / name).read_text()
         assert before in text, name
-        (copy / name).write_text(text.replace(before, after, 1))
+        (tmp_path / name).write_text(text.replace(before, after, 1))
     (tmp_path / "tests_of_digests.py").write_text(DIGESTS)
     done = subprocess.run(
         [sys.executable, "-c", NAMES.format(root=str(tmp_path))],

@@ -54,7 +54,7 @@ def test_make_help_names_the_two_commands() -> None:
 
 
 def test_files_that_the_documentation_names_are_there() -> None:
-    folders = "tests|app|estimators|published|validation|web|migrations|docker"
+    folders = "tests|app|estimators|messages|published|validation|web|migrations|docker"
     named = re.compile(rf"(?<![\w/.])(?:{folders})/[\w/.-]+\.(?:py|tsx?|json|yaml)")
     for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         for path in named.findall(page.read_text()):

@@ -140,7 +140,7 @@ def test_nobody_is_told_anything_in_plain_words():
         for line, words in found
         if not path.startswith(tuple(EXEMPT))
     ]
-    assert not wrong, "use `say` of app.sentences:\n" + "\n".join(wrong)
+    assert not wrong, "use `say` of estimators.sentences:\n" + "\n".join(wrong)
 
 
 @pytest.mark.parametrize("room", EXEMPT)
@@ -195,7 +195,7 @@ def test_a_module_says_what_it_is() -> None:
     """Its first line is a noun phrase; one that begins with "What" leaves the noun to the reader."""
     paths = [
         path
-        for room in ("app", "estimators", "published", "validation")
+        for room in ("app", "estimators", "messages", "published", "validation")
         for path in (ROOT / room).rglob("*.py")
     ]
     asks = [path for path in paths if path.read_text().lstrip().startswith('"""What ')]

@@ -2,27 +2,23 @@
 
 import ast
 import functools
-import importlib
 import json
 from pathlib import Path
 
 import pytest
 
-from app.ingest.client_words import english
-from app.sentences import ENGLISH, german
-from app.sentences.german import GERMAN
-from estimators import sentences as of_estimators
-from estimators.sentences._catalogue import places
-from estimators.sentences._formats import is_of_codes
+from estimators.sentences._formats import UNITS, parts
+from estimators.sentences._message import Plural, parsed, places
+from tests.words import ENGLISH, GERMAN, titles
 
 ROOT = Path(__file__).resolve().parents[2]
+LANGUAGES = {"en": ENGLISH, "de": GERMAN}
 SAID_BY_LIBRARY = ("text.lines",)
 """By `Catalogue.together`."""
-MEASURE_NAMES = {f"measure_name.{one}" for one in ("repetition", "uneven", "walk")}
-KINDS = {"place", "side", "level", "state"} | MEASURE_NAMES
+KINDS = {"place", "side", "level", "state"}
 """Names that places may refer to as whole lists, or that the client says labels with; others where a place does."""
-
-CLIENT_WORDS = english()
+ALIKE = {"estimator_title.telemotion", "estimator_title.vqf"}
+"""Titles that are the same in German."""
 
 
 @functools.cache
@@ -43,55 +39,63 @@ def said() -> list[tuple[str, str | None, frozenset[str]]]:
     return found
 
 
-def expected(code: str) -> frozenset[str]:
-    entry = ENGLISH[code]
-    return frozenset(name for name, _ in places(entry)) | (
-        frozenset() if isinstance(entry, str) else {"count"}
-    )
-
-
 def test_what_is_said_is_in_the_catalogue_with_its_parameters():
     for where, code, names in said():
         assert code is not None, f"{where}: write the code out, so that it can be found"
-        words = of_estimators.ENGLISH if where.startswith("estimators") else ENGLISH
-        assert code in words, f"{where}: no sentence {code}"
-        assert names == expected(code), f"{where}: {code} has the parameters {sorted(expected(code))}"
+        assert code in ENGLISH, f"{where}: no sentence {code}"
+        expected = {place.name for place in places(parsed(ENGLISH[code]))}
+        assert names == expected, f"{where}: {code} has the parameters {sorted(expected)}"
 
 
 def test_nothing_in_the_catalogue_is_left_over():
     kinds = {
-        form.partition("|")[0] for entry in ENGLISH.values() for _, form in places(entry) if is_of_codes(form)
+        place.style.partition(" ")[0]
+        for words in ENGLISH.values()
+        for place in places(parsed(words))
+        if place.kind == "code"
     }
     names = {code for code in ENGLISH if code.rpartition(".")[0] in kinds | KINDS}
     assert set(ENGLISH) - names - {code for _, code, _ in said()} - set(SAID_BY_LIBRARY) == set()
     assert kinds <= {code.rpartition(".")[0] for code in names}, "a place refers to names that nobody wrote"
 
 
-def test_no_code_is_written_twice():
-    rooms = [
-        importlib.import_module(f"app.sentences.{path.stem}").ENGLISH
-        for path in (ROOT / "app" / "sentences").glob("[!_]*.py")
-    ]
-    assert sum(len(room) for room in [of_estimators.ENGLISH, *rooms]) == len(ENGLISH)
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_file_has_each_code_once_and_in_order(language):
+    words = json.dumps(LANGUAGES[language], indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+    assert (ROOT / "messages" / f"{language}.json").read_text("utf-8") == words
 
 
-@pytest.mark.parametrize(("language", "sentences"), [("en", CLIENT_WORDS), ("de", GERMAN)])
-def test_the_client_has_the_same_sentences(language, sentences):
-    shared = json.loads((ROOT / "web" / "src" / "i18n" / language / "sentences.json").read_text())
-    assert shared == sentences, "run `npm run api` in web/ and commit the result"
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_place_is_of_a_known_kind_and_style(language):
+    styles = {"": {""}, "plural": {""}, "list": {"", "or", "lines"}}
+    for code, words in LANGUAGES[language].items():
+        assert "#" not in words, f"{code}: write the name of the number, the parser does not know #"
+        for place in places(parsed(words)):
+            if place.kind == "number":
+                assert parts(place.style)[0] in UNITS, code
+            elif place.kind == "code":
+                assert place.style.partition(" ")[2] in ("", "or"), code
+            else:
+                assert place.style in styles[place.kind], code
 
 
 def test_every_sentence_is_said_in_german_with_the_same_places():
-    assert set(GERMAN) == set(CLIENT_WORDS)
-    assert sum(len(room.GERMAN) for room in german.ROOMS) == len(GERMAN), "a code is written twice"
-    for code, entry in CLIENT_WORDS.items():
-        translated = GERMAN[code]
-        assert isinstance(translated, str) == isinstance(entry, str), code
-        if isinstance(entry, str) or isinstance(translated, str):
-            assert set(places(translated)) == set(places(entry)), code
-        else:
-            assert set(places(translated["other"])) == set(places(entry["other"])), code
-            assert set(places(translated["one"])) <= set(places(entry["other"])), code
+    of_classes = titles()
+    assert set(GERMAN) == {*ENGLISH, *of_classes}
+    assert not set(ENGLISH) & set(of_classes)
+    assert {code for code, title in of_classes.items() if GERMAN[code] == title} == ALIKE
+    for code in of_classes:
+        assert not list(places(parsed(GERMAN[code]))), code
+    for code, words in ENGLISH.items():
+        ours, theirs = parsed(words), parsed(GERMAN[code])
+        assert set(places(theirs)) == set(places(ours)), code
+        plurals = [[one for one in message if isinstance(one, Plural)] for message in (ours, theirs)]
+        assert len(plurals[0]) == len(plurals[1]), code
+        for plural, other in zip(*plurals, strict=True):
+            assert plural.branches.keys() == other.branches.keys() == {"one", "other"}, code
+            most = set(places(plural.branches["other"]))
+            assert set(places(other.branches["other"])) == most, code
+            assert set(places(other.branches["one"])) <= most, code
 
 
 TOLD_ERRORS = {"CalibrationError", "ComparisonError", "ContradictionError"}

@@ -1,7 +1,7 @@
-"""Write what the browser shares with the service: the wire types as one OpenAPI document, the sentences, or the measures.
+"""Write what the browser shares with the service: the wire types as one OpenAPI document, or the measures.
 
-Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, with `sentences` for
-`web/src/i18n/en/sentences.json`, with `german` for the same in German, and with `measures` for `web/src/api/measures.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
+Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, with `measures` for
+`web/src/api/measures.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
 does not cover, are added to its components.
 """
 
@@ -15,7 +15,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from app.ingest.client_words import english
 from app.edge.description import describe
 from app.live.calibration.messages import CalibrationMessage
 from app.live.guidance.messages import GuidanceMessage
@@ -33,7 +32,6 @@ from app.main import create_app
 from app.network.messages import PROTOCOL_VERSION, ErrorMessage
 from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
-from app.sentences.german import GERMAN
 from app.settings import Settings
 from estimators.measures import MEASURES, measures_of
 
@@ -90,7 +88,6 @@ def measures() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    wanted = {"sentences": english, "german": lambda: GERMAN, "measures": measures}
-    shared = wanted.get("".join(sys.argv[1:]), document)()
+    shared = measures() if sys.argv[1:] == ["measures"] else document()
     json.dump(shared, sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
     sys.stdout.write("\n")

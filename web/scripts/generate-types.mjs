@@ -1,5 +1,5 @@
 // Make src/api/schema.ts from src/api/openapi.json, or with --check say whether it is stale.
-// With PYTHON set (or ../.venv present) the document itself, the service's sentences and its measures are dumped from the service first.
+// With PYTHON set (or ../.venv present) the document itself and the service's measures are dumped from the service first.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -8,15 +8,10 @@ import openapiTS, { astToString } from 'openapi-typescript';
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const documentPath = here('../src/api/openapi.json');
 const typesPath = here('../src/api/schema.ts');
+const measuresPath = here('../src/api/measures.json');
 const check = process.argv.includes('--check');
 const python =
   process.env.PYTHON ?? (existsSync(here('../../.venv/bin/python')) ? here('../../.venv/bin/python') : null);
-
-const shared = {
-  sentences: 'i18n/en/sentences.json',
-  german: 'i18n/de/sentences.json',
-  measures: 'api/measures.json',
-};
 
 let document = existsSync(documentPath) ? readFileSync(documentPath, 'utf8') : '';
 if (python) {
@@ -26,12 +21,9 @@ if (python) {
   if (check && fresh !== document) fail('api/openapi.json');
   document = fresh;
   if (!check) writeFileSync(documentPath, fresh);
-  for (const [what, name] of Object.entries(shared)) {
-    const path = here(`../src/${name}`);
-    const dumped = dump(what);
-    if (!check) writeFileSync(path, dumped);
-    else if (!existsSync(path) || readFileSync(path, 'utf8') !== dumped) fail(name);
-  }
+  const measures = dump('measures');
+  if (!check) writeFileSync(measuresPath, measures);
+  else if (!existsSync(measuresPath) || readFileSync(measuresPath, 'utf8') !== measures) fail('api/measures.json');
 }
 
 const parsed = JSON.parse(document);

@@ -4,7 +4,7 @@ import re
 from itertools import pairwise
 
 from app.errors import InvalidInput
-from app.sentences import say
+from estimators.sentences import say
 
 LEAST = 10
 _TRIED_FIRST = """

@@ -10,7 +10,7 @@ from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
 
 from app.errors import Unavailable
-from app.sentences import say
+from estimators.sentences import say
 
 HASHING_THREADS = 2
 MAXIMUM_WAITING = 40

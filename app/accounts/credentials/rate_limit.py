@@ -24,7 +24,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.credentials.tokens import hash_token
 from app.errors import TooManyAttempts
-from app.sentences import say
+from estimators.sentences import say
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from app.accounts.schemas import SecondFactorOut, SecondFactorSetup
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import Conflict, InvalidInput
-from app.sentences import say
+from estimators.sentences import say
 
 RECOVERY_CODES = 10
 _LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"

@@ -16,8 +16,8 @@ from app.accounts.schemas import Me
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import NotAllowed, PasswordChangeRequired, SecondFactorRequired, SignInRequired
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 COOKIE = "telemotion_session"
 _SEEN_AGAIN_AFTER = timedelta(seconds=60)

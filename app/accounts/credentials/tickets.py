@@ -15,7 +15,7 @@ from app.accounts.models import Account, DeviceToken, SignIn, Ticket
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import SignInRequired
-from app.sentences import say
+from estimators.sentences import say
 
 LIFE = timedelta(seconds=30)
 Purpose = Literal["ingest", "live", "viewer"]

@@ -6,8 +6,8 @@ from typing import Final
 from app.exercises.doses import DoseHistory, dose_on, doses_of
 from app.exercises.models import Exercise, Prescription
 from app.recordings.models import MotionSession
-from app.sentences import say
 from estimators.gait import GUIDED_KINDS
+from estimators.sentences import say
 
 PAIN: Final = "pain"
 """Kind of the event that stands on the time line where a patient stopped because it hurt."""

@@ -13,9 +13,9 @@ from app.assessment.measures import SessionValue, session_values
 from app.assessment.schemas import MeasureValue, OtherSide, ProgressBand
 from app.exercises.models import Exercise
 from app.patients.models import Patient
-from app.sentences import say
 from estimators.comparison.measures import symmetry_angle, symmetry_ratio
 from estimators.conventions import SIDES
+from estimators.sentences import say
 
 _SIDE = re.compile("left|right")
 

@@ -14,7 +14,6 @@ from app.assessment.course.published import published_of
 from app.assessment.course.scatter import Scatters
 from app.assessment.measures import SessionValue
 from app.assessment.schemas import ChangeWord, ProgressBreak, ProgressTrend
-from app.sentences import say
 from estimators.comparison import channel_name
 from estimators.progress import (
     FEWEST_DAYS,
@@ -25,6 +24,7 @@ from estimators.progress import (
     discoveries,
     trends,
 )
+from estimators.sentences import say
 
 RAISED: Final = 0.95
 """From this probability on a decline is a reason to look, said as probable."""

@@ -17,8 +17,8 @@ from app.exercises.doses import dose_histories, lasting
 from app.exercises.models import Exercise, Prescription
 from app.patients.access import require_patient
 from app.recordings.models import MotionSession
-from app.sentences import say
 from app.version import service_version
+from estimators.sentences import say
 
 
 def course(

@@ -22,7 +22,6 @@ from app.exercises.design import (
 )
 from app.exercises.models import Posture, Prescription, TemplateVersion
 from app.recordings.models import MotionSession
-from app.sentences import say
 from estimators.comparison import (
     FREE,
     Knot,
@@ -46,6 +45,7 @@ from estimators.guidance import (
     mirror_stop_rule,
     prepare_template,
 )
+from estimators.sentences import say
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.recordings.models import MotionSession, SessionEvent
-from app.sentences import say
 from estimators.comparison import Repetition
+from estimators.sentences import say
 
 
 def counted_live(session: Session, found: MotionSession) -> list[Repetition] | None:

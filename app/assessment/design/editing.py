@@ -14,8 +14,8 @@ from app.assessment.design.weighted import check_weights
 from app.errors import Conflict, InvalidInput
 from app.exercises.models import TemplateVersion
 from app.exercises.schemas import TemplateVersionDetail, TemplateVersionIn
-from app.sentences import say
 from estimators.comparison import template_from_bytes
+from estimators.sentences import say
 
 
 def draw(

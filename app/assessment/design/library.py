@@ -21,7 +21,6 @@ from app.exercises.schemas import (
     TemplateOut,
     TemplateVersionDetail,
 )
-from app.sentences import say
 from estimators.comparison import (
     Template,
     channel_label,
@@ -32,6 +31,7 @@ from estimators.comparison import (
     template_to_bytes,
 )
 from estimators.conventions import Side
+from estimators.sentences import say
 
 
 def change(session: Session, subject: Subject, template_id: str, wanted: TemplateChange) -> TemplateOut:

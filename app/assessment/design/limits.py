@@ -17,10 +17,10 @@ from app.assessment.models import Comparison
 from app.errors import InvalidInput
 from app.exercises.design import StopDesign
 from app.recordings.models import MotionSession
-from app.sentences import Sentence, say
 from estimators.comparison import Template, channel_name, channel_unit, comparison_from_bytes, leaves_band
 from estimators.guidance import farthest, is_broken, nearest_limit
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _MOST: Final = 0.5
 """Share of a template's own repetitions that may leave a band."""

@@ -15,9 +15,9 @@ from app.exercises import repository as exercises
 from app.exercises.design import StopDesign
 from app.exercises.models import Prescription
 from app.exercises.schemas import PrescriptionChangeIn, PrescriptionIn, PrescriptionOut
-from app.sentences import say
 from estimators.comparison import channel_name, template_from_bytes
 from estimators.errors import EstimationError
+from estimators.sentences import say
 
 
 def prescribe(

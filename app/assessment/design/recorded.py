@@ -27,7 +27,6 @@ from app.patients.models import Patient
 from app.recordings import repository as recordings
 from app.recordings.compared import Source
 from app.recordings.models import MotionSession, Result
-from app.sentences import say
 from estimators.comparison import (
     Repetition,
     SideChannels,
@@ -41,7 +40,7 @@ from estimators.comparison import (
 from estimators.conventions import Side
 from estimators.errors import EstimationError
 from estimators.recording import Float
-from estimators.sentences import for_json
+from estimators.sentences import for_json, say
 
 FEWEST = 2
 """Strides of which a template is made."""

@@ -7,7 +7,6 @@ from typing import Final
 from app.errors import InvalidInput
 from app.exercises.design import CueDesign, StopDesign, TemplateDesign
 from app.exercises.models import Posture
-from app.sentences import say
 from estimators.comparison import Template, is_of_stride
 from estimators.conventions import Side
 from estimators.errors import SetupError
@@ -21,6 +20,7 @@ from estimators.guidance import (
     fitting_sentence,
     prepare_template,
 )
+from estimators.sentences import say
 
 ALWAYS: Final = tuple(stop for stop in DEFAULT_STOPS if stop.kind in ("lost", "unsure"))
 """Pauses without which nothing can be judged; a design may change their numbers, not leave them out."""

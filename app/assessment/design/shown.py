@@ -20,7 +20,6 @@ from app.exercises.schemas import TemplateContent, TemplateOut, TemplateVersionD
 from app.pages import Page
 from app.recordings import repository as recordings
 from app.recordings.compared import Source
-from app.sentences import CATALOGUE
 from estimators.comparison import (
     Repetition,
     Template,
@@ -33,6 +32,7 @@ from estimators.comparison import (
 )
 from estimators.errors import EstimationError
 from estimators.recording import Float
+from estimators.sentences import CATALOGUE
 
 
 def list_of(

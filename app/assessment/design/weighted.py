@@ -14,8 +14,8 @@ from app.assessment.schemas import RepetitionComparison, WeightedPart, WeightedS
 from app.errors import InvalidInput
 from app.exercises.design import TemplateDesign, WeightDesign
 from app.exercises.schemas import TemplateMeasure
-from app.sentences import say
 from estimators.comparison import Template, measure_label, measures_beside
+from estimators.sentences import say
 
 
 def offered_measures(template: Template) -> list[TemplateMeasure]:

@@ -19,8 +19,8 @@ from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings.files_in_passing import remove_files_of
 from app.recordings.models import Job, MotionSession
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 STREAMING = ("calibrating", "ready", "recording", "link_lost")
 

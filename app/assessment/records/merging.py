@@ -23,7 +23,7 @@ from app.exercises.models import Prescription, Template
 from app.patients.access import require_patient
 from app.patients.models import Mounting
 from app.recordings.models import MotionSession
-from app.sentences import say
+from estimators.sentences import say
 
 
 def merge(session: Session, subject: Subject, patient_id: str, wanted: MergeIn) -> MergeOut:

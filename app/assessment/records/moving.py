@@ -19,7 +19,7 @@ from app.patients.access import levels, require_patient
 from app.patients.models import Mounting, Patient
 from app.recordings import repository as recordings
 from app.recordings.models import Job, MotionSession, SessionEvent
-from app.sentences import say
+from estimators.sentences import say
 
 AT_REST: Final = ("created", "analysed", "failed")
 """States in which nothing writes to a session."""

@@ -3,8 +3,8 @@
 import math
 from typing import Any, Final
 
-from app.sentences import say
 from estimators.comparison import channel_name
+from estimators.sentences import say
 
 LEAST_MORE: Final = {"deg": 5.0, "m": 0.025}
 """A trunk that leans less than this more than in the template, or a shoulder that rises less, is no reason to look."""

@@ -20,7 +20,7 @@ from app.assessment.worries.compensation import compensation_text
 from app.assessment.worries.schemas import KINDS, WorryKind, WorryOut
 from app.exercises.models import Exercise
 from app.recordings.models import DEAD_LINK, MotionSession, SessionAnswers, SessionEvent
-from app.sentences import say
+from estimators.sentences import say
 
 MUCH_PAIN: Final = 5
 """Of 10, answered after a session: from here on it is a worry."""

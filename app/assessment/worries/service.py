@@ -11,7 +11,7 @@ from app.errors import NotAllowed, NotFound
 from app.pages import Page
 from app.patients.access import require_patient
 from app.patients.repository import may_treat
-from app.sentences import say
+from estimators.sentences import say
 
 
 def list_worries(session: Session, subject: Subject, patient_id: str, page: Page) -> list[WorryOut]:

@@ -14,7 +14,6 @@ from app.errors import InvalidInput
 from app.kinds.walk.shoe_arrays import as_stored as shoes_as_stored
 from app.network.declaration import WALKING
 from app.readers.judged import cut, judged
-from app.sentences import say
 from estimators import orientation as orientations
 from estimators import pipelines, signals
 from estimators.body import BodyDimensions, body_from_stature
@@ -22,6 +21,7 @@ from estimators.calibration import Hemisphere
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Recording, SensorSignals
+from estimators.sentences import say
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -7,10 +7,10 @@ import numpy as np
 
 from app.recordings.analysis.curve import Curve, Series
 from app.recordings.points import described
-from app.sentences import say
 from estimators.arm import ACCELERATION_WINDOW_S
 from estimators.balance import MASS_SCALARS
 from estimators.pipelines import Frames, SessionSetup
+from estimators.sentences import say
 
 _PLACES: Final = MASS_SCALARS[:3]
 

@@ -10,10 +10,10 @@ from app.recordings.analysis.heading_line import MOUNTINGS, HeadingLine, Heading
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.repository import replace_events
-from app.sentences import Sentence, say
 from estimators import pipelines
 from estimators.pipelines import Frames, Pipeline, SessionSetup, Slip, SlipSearch
 from estimators.recording import ImuChunk
+from estimators.sentences import Sentence, say
 
 EVENT: Final = "sensor_slipped"
 _JOINTS: Final[Mapping[str, tuple[str, ...]]] = {

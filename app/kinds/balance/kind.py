@@ -9,10 +9,10 @@ from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, estimated, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
-from app.sentences import say
 from estimators import pipelines
 from estimators.orientation import DEFAULT
 from estimators.pipelines import TRUNK, BalancePipeline, SessionSetup
+from estimators.sentences import say
 
 
 class BalanceKind(SessionKind):

@@ -23,7 +23,6 @@ from app.recordings import repository
 from app.recordings.models import MotionSession, Result
 from app.recordings.service import result_out
 from app.recordings.signals.store import read_frames
-from app.sentences import say
 from estimators.balance.sway import (
     SHORTEST_S,
     SwayMeasure,
@@ -45,6 +44,7 @@ from estimators.pipelines import (
     trunk_above_ankles_m,
 )
 from estimators.recording import Float
+from estimators.sentences import say
 
 CONDITIONS: Final[Mapping[str, str]] = MappingProxyType(
     {

@@ -10,7 +10,6 @@ import numpy as np
 
 from app.errors import InvalidInput
 from app.kinds.magnetic.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
-from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import EstimationError
 from estimators.magnetic import (
@@ -26,6 +25,7 @@ from estimators.magnetic import (
 )
 from estimators.pipelines import SessionSetup, relative_source
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 LONGEST_S: Final = 3600.0
 _FULL_SCALE_T: Final = 8e-4

@@ -22,7 +22,6 @@ from app.recordings.analysis.offline import Analysis, StoredSession, estimated
 from app.recordings.analysis.still import still
 from app.recordings.models import MotionSession
 from app.recordings.schemas import SessionIn
-from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel
 from estimators.errors import EstimationError
@@ -31,6 +30,7 @@ from estimators.orientation import DEFAULT
 from estimators.pipelines import FEET, GaitPipeline, RelativePosePipeline, SessionSetup, relative_feet
 from estimators.pipelines.relative.pooled_kernel import step_relative
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 _WALK_FROM: Final = 0.8

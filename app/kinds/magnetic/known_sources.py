@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.errors import NotFound
 from app.recordings.models import MagneticSource
-from app.sentences import say
+from estimators.sentences import say
 
 NO_SUCH_SOURCE: Final = say("source.not_found")
 

@@ -22,7 +22,6 @@ from app.errors import Conflict, SafetyUnconfirmed
 from app.kinds.magnetic.schemas import MagneticSafetyIn, MagneticSafetyOut
 from app.recordings import repository
 from app.recordings.models import MotionSession, SessionEvent
-from app.sentences import say
 from estimators.errors import SetupError
 from estimators.magnetic import PACEMAKER_LIMIT_T, keep_away_distance_m
 from estimators.pipelines import (
@@ -32,6 +31,7 @@ from estimators.pipelines import (
     SourceSettings,
     relative_source,
 )
+from estimators.sentences import say
 
 PIPELINE: Final = RelativePosePipeline.name
 EVENT: Final = "implants_excluded"

@@ -27,10 +27,10 @@ from app.kinds.magnetic.source_schemas import (
 from app.recordings import repository
 from app.recordings.analysis.offline import aligned
 from app.recordings.models import MagneticSource, MotionSession
-from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup, relative_source
+from estimators.sentences import say
 
 _STAFF: Final = ("therapist", "administrator")
 

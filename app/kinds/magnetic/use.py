@@ -11,10 +11,10 @@ from app.kinds.magnetic.safety import PIPELINE
 from app.kinds.magnetic.schemas import SourceUseOut
 from app.recordings import repository
 from app.recordings.signals.store import read_frames
-from app.sentences import say
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
 from estimators.recording import Float
+from estimators.sentences import say
 
 MAX_PULSES: Final = 5000
 CURVE_POINTS: Final = 600

@@ -15,12 +15,12 @@ from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, layout_dict, ne
 from app.recordings.analysis.stamped import stored_recording
 from app.recordings.models import MotionSession, Result
 from app.recordings.signals.chunks import encode_frames
-from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError
 from estimators.gait import RelativeFeet
 from estimators.pipelines import SessionSetup, ShoeWalk, Walk
 from estimators.recording import ImuChunk
+from estimators.sentences import CATALOGUE, say
 
 _PIECE_TICKS: Final = 1000
 _STILL_AT_START_S: Final = 1.0

@@ -12,12 +12,12 @@ from app.kinds.walk.schemas import FootCurve, FootCurvesOut, FootOut, StrideOut,
 from app.recordings import repository
 from app.recordings.compared import Cycles, Source, frames_of
 from app.recordings.models import MotionSession, Result
-from app.sentences import say
 from estimators.comparison import NamedPhase, Repetition, Stood, foot_channels, foot_trajectory
 from estimators.conventions import Side
 from estimators.gait import StrideFlag
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Float
+from estimators.sentences import say
 
 _REASONS: Final = (
     (StrideFlag.OUTSIDE, say("stride.outside")),

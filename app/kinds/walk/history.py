@@ -22,10 +22,10 @@ from app.kinds.walk.stored import PIPELINE, walk_stream
 from app.pages import Page
 from app.recordings import repository
 from app.recordings.models import MotionSession, SignalChunk
-from app.sentences import say
 from estimators.balance import Sample, compare_conditions
 from estimators.errors import ShapeError
 from estimators.measures import measures_of
+from estimators.sentences import say
 
 _SUFFIX: Final = "_asymmetry"
 """An asymmetry is named `<measure>_asymmetry` in a comparison."""

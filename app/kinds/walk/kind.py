@@ -15,7 +15,6 @@ from app.recordings.analysis.offline import Analysis, StoredSession
 from app.recordings.analysis.still import still
 from app.recordings.compared import Source
 from app.recordings.models import MotionSession, Result
-from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel
 from estimators.conventions import SHOE_PLACEMENTS
@@ -23,6 +22,7 @@ from estimators.orientation import DEFAULT
 from estimators.pipelines import FEET, GaitPipeline, SessionSetup
 from estimators.pipelines.walk.pooled_kernel import step_walks
 from estimators.recording import Recording
+from estimators.sentences import say
 
 
 class WalkKind(SessionKind):

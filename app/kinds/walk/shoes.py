@@ -14,11 +14,11 @@ from app.recordings.models import SignalChunk
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.codecs import DamagedChunkError, checksum
 from app.recordings.signals.rows import insert_chunk
-from app.sentences import say
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.kinetics import stretches
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk, Recording, SensorSignals
+from estimators.sentences import say
 
 SHOES_STREAM: Final = "shoes"
 _CODEC: Final = "npz.zlib"

@@ -36,10 +36,10 @@ from app.recordings.models import WALK_STREAM, Result, SignalChunk
 from app.recordings.signals.chunks import EncodedChunk
 from app.recordings.signals.codecs import DamagedChunkError, checksum
 from app.recordings.signals.rows import insert_chunk
-from app.sentences import say
 from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
 from estimators.pipelines import GaitPipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
+from estimators.sentences import say
 
 PIPELINE: Final = GaitPipeline.name
 _CODEC: Final = "json.zlib"

@@ -17,9 +17,9 @@ from app.live.session.estimation import EstimationLine
 from app.live.session.session_log import SessionLog
 from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
-from app.sentences import CATALOGUE, say
 from estimators.calibration import JUDGED, Calibration, Hemisphere
 from estimators.pipelines import ArmPipeline, Frames, Pipeline
+from estimators.sentences import CATALOGUE, say
 
 
 class CalibratedSession(SessionLog):

@@ -20,11 +20,11 @@ from app.live.calibration.messages import (
 )
 from app.live.session.estimation import EstimationLine
 from app.recordings.schemas import CalibrationOut
-from app.sentences import say
 from estimators.calibration import Hemisphere, MisplacedError
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, EstimationError
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

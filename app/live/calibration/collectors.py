@@ -22,7 +22,6 @@ from app.live.calibration.messages import (
 )
 from app.live.calibration.pose import PoseCollector
 from app.recordings.analysis.heading_line import HeadingReset
-from app.sentences import say
 from estimators.calibration import (
     DeviceCalibration,
     Hemisphere,
@@ -34,6 +33,7 @@ from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Calibration, Pipeline
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 
 LONGEST_STEP_S = 120.0
 LEAST_MOVEMENT_S = 3.0

@@ -12,7 +12,6 @@ import numpy as np
 from app.errors import Conflict
 from app.live.calibration.collectors import Collector, Outcome
 from app.live.calibration.messages import CalibrationIn, FieldOut, SensorProgress
-from app.sentences import Sentence, say
 from estimators.calibration import (
     DeviceCalibration,
     LocalField,
@@ -27,6 +26,7 @@ from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Pipeline
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import Sentence, say
 
 LONGEST_S = 600.0
 _FIELD_HZ = 20.0

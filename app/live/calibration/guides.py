@@ -3,7 +3,7 @@
 from typing import Final
 
 from app.live.calibration.messages import CalibrationGuide, CalibrationKind, CalibrationStep, Picture
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 
 def _step(

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from app.sentences import say
 from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.sentences import say
 
 HOLD_S = 3.0
 SETTLE_S = 3.0

@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from app.sentences import say
 from estimators.conventions import Side
 from estimators.pipelines import FORCE_STATES, Frames, Pipeline
+from estimators.sentences import say
 
 TOLD_AFTER_S: Final = 0.5
 """A cell that gives nothing for less is not worth a word."""

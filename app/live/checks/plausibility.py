@@ -20,9 +20,9 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Final, NamedTuple
 
 from app.errors import Unavailable
-from app.sentences import say
 from estimators.calibration import Finding, RecordingCheck
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from app.sentences import say
 from estimators.recording import Float
+from estimators.sentences import say
 
 KIND: Final = "source_unasked"
 GRACE_S: Final = 1.0

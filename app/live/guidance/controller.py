@@ -22,11 +22,11 @@ from app.live.guidance.messages import (
 )
 from app.live.guidance.resume_state import ResumeState
 from app.live.guidance.words import HELD, PAUSED, RESUMED, STOPPED, counted
-from app.sentences import say
 from estimators.comparison import channel_name, channel_unit
 from estimators.guidance import CountedRepetition, Cue, GuidanceChunk, Stopped
 from estimators.guidance.live import GuidanceRunner
 from estimators.pipelines import Frames
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

@@ -10,9 +10,9 @@ from app.assessment.design.prescribed import NotGuided
 from app.live.bus import Bus, topic
 from app.live.guidance.controller import GuidanceController
 from app.live.guidance.resume_state import read_guidance, taken_up
-from app.sentences import say
 from estimators.errors import EstimationError
 from estimators.guidance.live import GuidanceRunner
+from estimators.sentences import say
 
 if TYPE_CHECKING:
     from app.live.session.runner import LiveSession

@@ -3,7 +3,7 @@
 from typing import Final
 
 from app.live.guidance.messages import GuidanceCause
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 HELD: Final[dict[GuidanceCause, Sentence]] = {
     "pain": say("guided.pain"),

@@ -22,8 +22,8 @@ from app.errors import NotFound, SignInRequired, TelemotionError
 from app.live.repository import NO_SUCH_SESSION
 from app.patients.access import Asked, Level, refusals
 from app.recordings.models import MotionSession
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 _IDS: BindParameter[list[str]] = bindparam("ids", expanding=True)
 # Built once: see `app.patients.access`.

@@ -12,9 +12,9 @@ from typing import Final
 
 from app.network.declaration import Declaration
 from app.network.messages import ActuateMessage, ActuationPlanMessage
-from app.sentences import CATALOGUE, say
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames, Pipeline, RelativePosePipeline
+from estimators.sentences import CATALOGUE, say
 
 Order = ActuateMessage | ActuationPlanMessage
 Tell = Callable[[str, float, str, str], None]

@@ -14,7 +14,7 @@ from app.network.declaration import Declaration
 from app.network.messages import AcknowledgeMessage
 from app.network.packet import Packet
 from app.schemas import SessionState
-from app.sentences import say
+from estimators.sentences import say
 
 
 class Intake:

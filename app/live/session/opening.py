@@ -22,12 +22,12 @@ from app.network.declaration import Declaration
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.signals.checkpoints import load_checkpoint
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.sentences import say
 from app.time_zones import UTC_NAME
 from estimators import pipelines
 from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup
+from estimators.sentences import say
 
 
 @dataclass(frozen=True)

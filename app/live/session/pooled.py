@@ -23,9 +23,9 @@ from app.live.session.ledger import SequenceLedger
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock, SkewEstimator
 from app.network.packet_run import PacketRun
-from app.sentences import say
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 
 class PooledSession(CalibratedSession):

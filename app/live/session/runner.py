@@ -38,10 +38,10 @@ from app.recordings.models import DEAD_LINK
 from app.recordings.schemas import CalibrationOut
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.schemas import SessionState
-from app.sentences import CATALOGUE, say
 from estimators.calibration import Finding, Hemisphere
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import CATALOGUE, say
 
 logger = logging.getLogger(__name__)
 

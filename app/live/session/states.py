@@ -13,7 +13,7 @@ from typing import Final
 
 from app.errors import Conflict
 from app.schemas import SessionState
-from app.sentences import say
+from estimators.sentences import say
 
 TRANSITIONS: Final[dict[SessionState, frozenset[SessionState]]] = {
     "created": frozenset({"calibrating", "ready", "closing", "failed"}),

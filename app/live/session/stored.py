@@ -4,9 +4,9 @@ from app.live.blocks import layout_message
 from app.live.messages import LayoutMessage, StateMessage
 from app.live.repository import StoredSession, calibration_of
 from app.recordings.schemas import CalibrationOut
-from app.sentences import Sentence
 from estimators import pipelines
 from estimators.pipelines import SessionSetup
+from estimators.sentences import Sentence
 
 
 def stored_state(stored: StoredSession, sent_away: Sentence | None = None) -> StateMessage:

@@ -15,9 +15,9 @@ from app.readers.moments import as_metadata
 from app.readers.tables.clocks.stamps import UNIT_FACTORS, nominal_rate
 from app.readers.tables.head import TableHead, head_of_file
 from app.readers.units import TO_SI, UNITS, check_accelerometer, check_gyroscope, check_magnetometer
-from app.sentences import say
 from estimators.conventions import Placement
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 _CHANNEL: Final = re.compile(
     r"(?P<label>.+)/(?P<quantity>Acceleration|Angular Velocity|Magnetic Field|Temperature)"

@@ -10,8 +10,8 @@ from app.readers.contract import Reader, Source
 from app.readers.mat import load_mat
 from app.readers.units import check_accelerometer, check_gyroscope, check_magnetometer
 from app.readers.unpacked import check_hdf5
-from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import Sentence, say
 
 if TYPE_CHECKING:
     import h5py

@@ -11,8 +11,8 @@ from app.readers.tables.body import read_columns
 from app.readers.tables.clocks.mended import mended
 from app.readers.tables.clocks.stamps import nominal_rate
 from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
-from app.sentences import say
 from estimators.recording import Recording, SensorSignals
+from estimators.sentences import say
 
 _TIME: Final = "Time (s)"
 _GYROSCOPE: Final = [f"Gyroscope {axis} (deg/s)" for axis in "XYZ"]

@@ -15,9 +15,9 @@ from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
 from app.readers.tables.body import MAX_VALUES
 from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
-from app.sentences import say
 from estimators.conventions import SIDES
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 AXES: Final = ("acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z")
 """Names of the columns, in every file of this set."""

@@ -16,9 +16,9 @@ from app.readers.contract import Reader, Source
 from app.readers.tables.body import MAX_VALUES
 from app.readers.tables.clocks.stamps import nominal_rate
 from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
-from app.sentences import say
 from estimators.conventions import GRAVITY_MPS2, SIDES
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 _UNITS: Final = {"gyroscope": "radps", "accelerometer": "mps2", "force": "n", "moment": "nm"}
 _INERTIAL: Final = ("gyroscope", "accelerometer")

@@ -14,8 +14,8 @@ from app.readers.contract import Reader, Source
 from app.readers.mat import load_mat
 from app.readers.tables.clocks.stamps import nominal_rate, seconds_of
 from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
-from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 MARKS: Final = ("imu_data", "timestamps_all")
 """Variables by which a walk of this set is known."""

@@ -10,9 +10,9 @@ from app.readers.contract import Reader, Source
 from app.readers.mat import load_mat
 from app.readers.tables.clocks.stamps import nominal_rate, seconds_of
 from app.readers.units import check_accelerometer, check_gyroscope
-from app.sentences import say
 from estimators.conventions import Placement
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 
 PLACEMENT_OF: Final[dict[str, Placement]] = {
     "head": "head",

@@ -6,7 +6,7 @@ from app.errors import RecordingFormatError
 from app.readers.contract import Reader, Source
 from app.readers.members import ZIP_MARK
 from app.readers.tables.guess import SINGLE
-from app.sentences import CATALOGUE
+from estimators.sentences import CATALOGUE
 
 if TYPE_CHECKING:
     from estimators.recording import Recording

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
-from app.sentences import say
 from estimators.recording import Float
+from estimators.sentences import say
 
 _BLOCK: Final = 512
 _KEY: Final = 0x50

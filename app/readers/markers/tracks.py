@@ -11,9 +11,9 @@ from app.readers.markers.c3d import read_c3d
 from app.readers.markers.schemas import MarkerFileIn
 from app.readers.tables.body import MAX_LINE_BYTES, read_columns
 from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, seconds_of
-from app.sentences import say
 from estimators.optical import TURNS
 from estimators.recording import Float
+from estimators.sentences import say
 
 METRES: Final = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254}
 """Units that a CSV file can be declared in."""

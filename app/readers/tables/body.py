@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from app.errors import RecordingFormatError
 from app.readers.tables.head import TableHead, head_of_file, is_number, split_line
 from app.readers.tables.text import opened
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 MAX_VALUES: Final = 60_000_000
 """About an hour of 17 nine-axis sensors at 100 Hz; more is to be split."""

@@ -23,9 +23,9 @@ from app.readers.tables.units import (
     gyroscope_unit,
     magnetometer_unit,
 )
-from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 PipelineName = Literal["arm", "gait", "orientation"]
 SINGLE: Final = "imu"

@@ -14,7 +14,7 @@ from typing import Final
 from app.errors import RecordingFormatError
 from app.readers.tables.clocks.of_day import is_clock
 from app.readers.tables.text import HEAD_BYTES, encoding_of, later_of, lines_of, start_of, text_of
-from app.sentences import say
+from estimators.sentences import say
 
 _LINES: Final = 200
 """Lines with content that are looked at to find delimiter and header."""

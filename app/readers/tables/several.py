@@ -28,8 +28,8 @@ from app.readers.tables.names import named, side_of, words_of
 from app.readers.tables.pauses import Pauses, pauses_of
 from app.readers.tables.text import start_of
 from app.readers.tables.units import Body
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _OF_TIME: Final = frozenset(
     {"guess.no_time", "guess.counter_needs_rate", "guess.counter", "guess.rate_left", "guess.rows_counted"}

@@ -15,8 +15,8 @@ from app.readers.tables.clocks.counter import COUNT, seconds_of_counter
 from app.readers.tables.clocks.mended import mended, usual_interval
 from app.readers.tables.clocks.of_day import CLOCK
 from app.readers.tables.clocks.stamps import UNIT_FACTORS, check_unit
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _LONGEST_BRIDGE: Final = 2.5
 """In usual intervals of what is joined: farther apart are two samples with nothing between them."""

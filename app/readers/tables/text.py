@@ -7,7 +7,7 @@ from typing import Any, BinaryIO, Final
 
 from app.errors import RecordingFormatError
 from app.readers.foreign import what_it_is
-from app.sentences import say
+from estimators.sentences import say
 
 HEAD_BYTES: Final = 256 * 1024
 """How much of a file is looked at to find out what it is."""

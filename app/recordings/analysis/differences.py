@@ -16,11 +16,11 @@ from app.recordings.points import result_ticks
 from app.recordings.schemas import AngleDifference, CurvePair, DifferencesOut
 from app.recordings.signals.chunks import layout_from_dict
 from app.recordings.signals.store import read_frames, stored_step_s
-from app.sentences import say
 from estimators import rotation
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames
 from estimators.recording import Float
+from estimators.sentences import say
 
 PIECE_S: Final = 60.0
 """Results are read piece by piece, so that an hour needs no more memory than a minute."""

@@ -12,13 +12,13 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.recordings.models import SessionEvent
-from app.sentences import say
 from estimators import pipelines
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 
 MOUNTINGS: Final = ("n_pose", "t_pose", "functional", "passive")
 """Calibrations that set the mountings; headings set again and biases found later leave them in force."""

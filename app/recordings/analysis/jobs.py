@@ -31,9 +31,9 @@ from app.errors import NotFound, TelemotionError
 from app.recordings.analysis.queue import FairQueue, Waiting
 from app.recordings.files_in_passing import SWEEP_S, remove_file, remove_orphans
 from app.recordings.models import Job, MotionSession, Result
-from app.sentences import say
 from app.settings import Settings
 from estimators.errors import EstimationError
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

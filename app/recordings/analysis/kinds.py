@@ -27,10 +27,10 @@ from app.recordings.analysis.offline import Analysis
 from app.recordings.compared import Source, body_source
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import SessionIn
-from app.sentences import say
 from estimators.orientation import DEFAULT
 from estimators.pipelines import Pipeline, SessionSetup
 from estimators.recording import Recording
+from estimators.sentences import say
 
 View = Literal["body", "feet", "modules"]
 

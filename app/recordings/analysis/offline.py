@@ -29,13 +29,13 @@ from app.recordings.signals.chunks import (
     encode_frames,
 )
 from app.recordings.signals.store import Source, read_packets_in_order
-from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
+from estimators.sentences import CATALOGUE, say
 
 _POSE_SEARCH_S: Final = 120.0
 

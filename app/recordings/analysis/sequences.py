@@ -9,11 +9,11 @@ from app.accounts.subject import Subject
 from app.errors import InvalidInput
 from app.recordings import service
 from app.recordings.schemas import SequenceOut
-from app.sentences import say
 from estimators.arm import Joint, Sequence, frames_in_sequence, sequence_names
 from estimators.conventions import Side
 from estimators.errors import EstimationError
 from estimators.recording import Float
+from estimators.sentences import say
 
 
 def in_sequence(

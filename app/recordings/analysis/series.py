@@ -14,10 +14,10 @@ from app.recordings.analysis.kinds import kinds
 from app.recordings.points import ticks_between
 from app.recordings.series_schemas import CurveOut, SeriesOut
 from app.recordings.signals.store import read_frames, stored_step_s
-from app.sentences import say
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import SessionSetup
 from estimators.recording import Float
+from estimators.sentences import say
 
 _PIECE_S: Final = 60.0
 """Results are read piece by piece, so that an hour needs no more memory than a minute."""

@@ -31,8 +31,8 @@ from app.recordings.models import SignalChunk
 from app.recordings.signals import codecs, frame_codec
 from app.recordings.signals.bit_columns import room_words
 from app.recordings.signals.packet_kernel import pack_packets, unpack_packets
-from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
+from estimators.sentences import say
 
 RAW_STREAM: Final = "raw"
 COUNTS_CODEC: Final = "int16-rice/1"

@@ -16,7 +16,7 @@ import zstandard
 from numpy.typing import NDArray
 
 from app.errors import TelemotionError
-from app.sentences import say
+from estimators.sentences import say
 
 SHUFFLED_COUNTS_CODEC: Final = "int16-delta-shuffle-zstd/1"
 FLOATS_CODEC: Final = "float32-shuffle-zstd/1"

@@ -18,8 +18,8 @@ from app.database.unit_of_work import read_only
 from app.errors import QuotaReached, Unavailable
 from app.recordings.files_in_passing import file_of, upload_folder
 from app.recordings.models import Job, MotionSession, SignalChunk
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 COUNTED_EVERY_S: Final = 300.0
 LIVE_SHARE: Final = 0.1

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from app.recordings.signals import codecs
 from app.recordings.signals import frame_kernel as kernel
 from app.recordings.signals.bit_columns import room_words
-from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
+from estimators.sentences import say
 
 FRAMES_CODEC: Final = "frames-steps-rice/1"
 FLOAT32_FRAMES_CODEC: Final = "frames-float32-shuffle-zstd/1"

@@ -52,8 +52,8 @@ from app.recordings.signals.chunks import check_packet
 from app.recordings.signals.metrics import WriterMetrics
 from app.recordings.signals.rows import AlreadyStoredError, write_batch, write_batches
 from app.recordings.signals.store import Standing, read_standing
-from app.sentences import say
 from estimators.pipelines._contract import Frames
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

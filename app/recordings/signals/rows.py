@@ -16,7 +16,7 @@ from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.signals.buffers import Batch
 from app.recordings.signals.checkpoints import write_checkpoints
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk
-from app.sentences import say
+from estimators.sentences import say
 
 _CHUNKS: Final[Any] = SignalChunk.__table__
 _EVENTS: Final[Any] = SessionEvent.__table__

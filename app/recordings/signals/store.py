@@ -30,8 +30,8 @@ from app.recordings.signals.chunks import (
     outermost_heads,
 )
 from app.recordings.signals.frame_codec import stride_of
-from app.sentences import say
 from estimators.pipelines._contract import Frames
+from estimators.sentences import say
 
 Source = Engine | Connection | Session
 _AT_ONCE: Final = 64

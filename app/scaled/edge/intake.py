@@ -22,7 +22,7 @@ from app.scaled.wire import (
     StoppedEntry,
     unpack_error,
 )
-from app.sentences import say
+from estimators.sentences import say
 
 _WRAP = 1 << 32
 

@@ -17,7 +17,7 @@ from app.database.base import new_id
 from app.errors import Unavailable
 from app.scaled.broker import Broker
 from app.scaled.wire import Entry, PacketEntry, encode, subject
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

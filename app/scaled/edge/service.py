@@ -35,7 +35,7 @@ from app.scaled.wire import (
     unpack_message,
 )
 from app.schemas import Schema
-from app.sentences import say
+from estimators.sentences import say
 
 WELCOME_S: Final = 20.0
 LOOK_S: Final = 1.0

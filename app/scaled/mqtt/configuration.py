@@ -16,8 +16,8 @@ from app.network.mqtt import DOWN, UP, subject
 from app.scaled.broker import inbox_of
 from app.scaled.mqtt.issuer import Issuer
 from app.scaled.wire import subject as wire_subject
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 GATEWAYS: Final = "GATEWAYS"
 """Account in which gateways are: of the service they see their own topics, of each other nothing."""

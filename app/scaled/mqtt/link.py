@@ -12,7 +12,7 @@ from starlette.websockets import WebSocketState
 
 from app.errors import TelemotionError, Unavailable
 from app.network.mqtt import DOWN, LIVES_S, subject
-from app.sentences import say
+from estimators.sentences import say
 
 WAITING_BYTES: Final = 16 << 20
 """Of messages that are not read yet: nothing tells a sender by MQTT to wait, so more than that ends its connection."""

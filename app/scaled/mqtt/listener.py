@@ -19,8 +19,8 @@ from app.network.mqtt import connection_name, subject
 from app.network.pace import pause_s
 from app.scaled.broker import Broker
 from app.scaled.mqtt.link import MqttLink
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

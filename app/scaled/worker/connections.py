@@ -22,7 +22,7 @@ from app.scaled.wire import (
 from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.senders import Connection
 from app.scaled.worker.sessions import PartitionSessions
-from app.sentences import say
+from estimators.sentences import say
 
 REPEAT_S: Final = 1.0
 """A report is sent again after so long, for it may be lost."""

@@ -26,7 +26,7 @@ from app.scaled.worker.connections import Connections
 from app.scaled.worker.publisher import Publisher
 from app.scaled.worker.senders import StreamSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

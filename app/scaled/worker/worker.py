@@ -32,7 +32,7 @@ from app.scaled.worker.presence import others_of
 from app.scaled.worker.sender import EdgeSender
 from app.scaled.worker.sessions import OfWorker, PartitionSessions
 from app.schemas import Schema
-from app.sentences import say
+from estimators.sentences import say
 
 logger = logging.getLogger(__name__)
 

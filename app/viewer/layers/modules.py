@@ -10,13 +10,13 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.sentences import Sentence, say
 from app.viewer.layers import palette
 from app.viewer.layers.palette import Rgb
 from app.viewer.layers.words import Words
 from estimators import rotation
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
+from estimators.sentences import Sentence, say
 
 Float32 = NDArray[np.float32]
 

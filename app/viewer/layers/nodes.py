@@ -9,12 +9,12 @@ import viser
 from numpy.typing import NDArray
 from viser import _messages as wire
 
-from app.sentences import say
 from app.viewer.figure.body_mesh import Piece
 from app.viewer.figure.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from app.viewer.layers.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.layers.words import Words
 from estimators.body import BodyDimensions
+from estimators.sentences import say
 
 FLOOR: Final = "/room/floor"
 _LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")

@@ -11,12 +11,12 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.sentences import say
 from app.viewer.layers import palette
 from app.viewer.layers.palette import Rgb
 from app.viewer.layers.words import Words
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames
+from estimators.sentences import say
 
 Float32 = NDArray[np.float32]
 

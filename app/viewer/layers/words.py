@@ -4,13 +4,12 @@ from collections.abc import Callable
 from typing import Final
 
 from app.recordings.schemas import ViewLanguage
-from app.sentences import CATALOGUE, Sentence
-from app.sentences.german import GERMAN
-from estimators.sentences import Catalogue
+from estimators.sentences import CATALOGUE, Catalogue, Sentence
+from messages import messages_in
 
 Words = Callable[[Sentence], str]
 
-_CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(GERMAN)}
+_CATALOGUES: Final = {"en": CATALOGUE, "de": Catalogue(messages_in("de"))}
 
 
 def words_in(language: ViewLanguage) -> Words:

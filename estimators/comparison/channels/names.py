@@ -3,7 +3,7 @@
 import re
 from typing import Final
 
-from estimators.sentences import ENGLISH
+from estimators.sentences import CATALOGUE
 
 _CHANNEL_NAMES: Final = {
     "plane_of_elevation": "plane_of_elevation",
@@ -71,8 +71,7 @@ def channel_name(channel: str) -> str:
 
 def channel_label(channel: str) -> str:
     """Return what a person calls a channel, without the side: `Elbow flexion`, `Hand forward`."""
-    name = channel_name(channel)
-    words = str(ENGLISH.get(f"channel.{name}", name))
+    words = CATALOGUE.name("channel", channel_name(channel))
     return words[:1].upper() + words[1:]
 
 

@@ -1,9 +1,10 @@
 """Every code of the audit trail has words: patients read the trail, and `session.series` says nothing to them."""
 
 import ast
-import json
 import re
 from pathlib import Path
+
+from messages import messages_in
 
 ROOT = Path(__file__).resolve().parents[3]
 CODE = re.compile(r"[a-z_]+(\.[a-z_]+)+")
@@ -22,11 +23,10 @@ def written() -> set[str]:
         for node in ast.walk(ast.parse(path.read_text("utf-8")))
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and CODE.fullmatch(node.value)
     }
-    sentences = json.loads((ROOT / "web/src/i18n/en/sentences.json").read_text("utf-8"))
     about = {code.split(".")[0] for code in named() if "." in code} | {"backup", "settings"}
     # `patient.id` is a column, `patient.json` a file of the export; sentences have codes of their own.
     codes = {text for text in texts if text.split(".")[0] in about and not text.endswith((".id", ".json"))}
-    return codes - set(sentences)
+    return codes - set(messages_in("en"))
 
 
 def test_every_audit_code_has_words():

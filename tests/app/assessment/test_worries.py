@@ -11,7 +11,7 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.patients.models import Grant
 from app.recordings.models import DEAD_LINK, SessionAnswers, SessionEvent
-from app.sentences import say
+from estimators.sentences import say
 
 from .history import History
 from .test_progress import leaned

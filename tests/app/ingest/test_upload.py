@@ -17,9 +17,9 @@ from app.recordings.analysis.jobs import run_job
 from app.recordings.files_in_passing import remove_orphans, upload_folder
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.signals.store import read_frames, read_packets, stored_ranges
-from app.sentences import say
 from app.settings import Settings
 from estimators import pipelines
+from estimators.sentences import say
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
 from tests.app.ingest.uploads import ARM, declare, session_of
 

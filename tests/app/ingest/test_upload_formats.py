@@ -16,8 +16,8 @@ from app.recordings.models import Job
 from app.recordings.schemas import JobOut
 from app.recordings.service import job_out
 from app.recordings.signals.store import read_frames
-from app.sentences import say
 from app.settings import Settings
+from estimators.sentences import say
 from estimators.simulation import SimulatedSession
 from tests.app.ingest.uploads import ARM, declare, session_of
 from tests.app.readers.recording_files import as_csv, as_whole_body, broad_content

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.sentences import ENGLISH
 from app.viewer.layers.words import words_in
 from app.viewer.pose import SEGMENTS, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from app.viewer.stage import LoopbackServer
 from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS
+from estimators.sentences import CATALOGUE
 
-CATALOGUE = Path(__file__).resolve().parents[3] / "web" / "src" / "i18n" / "en" / "motion.ts"
+PAGE_WORDS = Path(__file__).resolve().parents[3] / "web" / "src" / "i18n" / "en" / "motion.ts"
 
 
 def labels_seen(server, names=re.compile(r"/(lost|silent)$")):
@@ -68,6 +68,6 @@ def test_the_picture_speaks_the_language_of_its_page(reaches) -> None:
 
 @pytest.mark.parametrize("placement", [*PLACEMENTS, *SHOE_PLACEMENTS])
 def test_the_service_names_a_place_as_the_browser_does(placement: str) -> None:
-    said = re.search(rf"'placement\.{placement}': '([^']+)'", CATALOGUE.read_text(encoding="utf-8"))
+    said = re.search(rf"'placement\.{placement}': '([^']+)'", PAGE_WORDS.read_text(encoding="utf-8"))
     assert said is not None
-    assert ENGLISH[f"place.{placement}"].capitalize() == said[1]
+    assert CATALOGUE.name("place", placement).capitalize() == said[1]

@@ -8,9 +8,9 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from app.demo.people import PATIENTS, THERAPIST
-from app.ingest.client_words import english
-from app.sentences.german import GERMAN
+from estimators.sentences._message import Message, Place, parsed
 from tests.e2e.conftest import ROOT, House, Visitor
+from tests.words import ENGLISH, GERMAN, titles
 
 KEY = re.compile(r"^\s+'[\w.]+':\s*(.+?)(?=^\s+'[\w.]+':|^\})", re.MULTILINE | re.DOTALL)
 QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'")
@@ -52,9 +52,21 @@ def catalogue(language: str) -> set[str]:
     for path in files:
         for entry in KEY.findall(path.read_text()):
             found |= {text.replace("\\'", "'") for text in QUOTED.findall(entry)}
-    for sentence in ({"en": english(), "de": GERMAN}[language]).values():
-        found |= {sentence} if isinstance(sentence, str) else set(sentence.values())
-    return found
+    for message in GERMAN.values() if language == "de" else ENGLISH.values():
+        found |= shown(parsed(message))
+    return found if language == "de" else found | set(titles().values())
+
+
+def shown(message: Message) -> set[str]:
+    """Each way in which a message is written; its places are empty braces."""
+    texts = {""}
+    for part in message:
+        if isinstance(part, str):
+            ways = {part}
+        else:
+            ways = {"{}"} if isinstance(part, Place) else set().union(*map(shown, part.branches.values()))
+        texts = {text + way for text in texts for way in ways}
+    return texts
 
 
 def patterns(texts: set[str]) -> list[re.Pattern[str]]:

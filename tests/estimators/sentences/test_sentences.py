@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 
 from estimators.errors import CalibrationError
-from estimators.sentences import ENGLISH, Catalogue, Sentence, for_json
+from estimators.sentences import Catalogue, Sentence, for_json
+from estimators.sentences._message import parsed
+from messages import messages_in
 
 FORMATS = json.loads((Path(__file__).parents[2] / "data" / "sentence_formats.json").read_text())
+ENGLISH = messages_in("en")
 WORDS = Catalogue(
     {
         **ENGLISH,
-        "test.moved": "The {place:place} moved by {angle_rad:deg}.",
-        "test.again": {"one": "Repeat {count} step.", "other": "Repeat {count} steps."},
+        "test.moved": "The {place, code, place} moved by {angle_rad, number, deg}.",
+        "test.again": "{count, plural, one {Repeat {count} step.} other {Repeat {count} steps.}}",
         "test.failed": "That failed: {reason}",
     }
 )
@@ -39,9 +42,24 @@ def test_a_sentence_is_text_that_knows_its_code():
     assert CalibrationError(moved).message is moved
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_the_number_chooses_the_words(count):
-    assert WORDS.say("test.again", count=count) == f"Repeat {count} step{'s' * (count > 1)}."
+@pytest.mark.parametrize(
+    "text",
+    [
+        "the sensor's place",
+        "{}",
+        "{x",
+        "x}",
+        "{x, date}",
+        "{x, select, other {a}}",
+        "{x, plural, one {a}}",
+        "{x, plural, one {a other {b}}",
+        "{x, plural, one {a} other {b}",
+        "{x, number, '{'}",
+    ],
+)
+def test_what_is_no_message_is_refused(text):
+    with pytest.raises(ValueError, match="not a message"):
+        parsed(text)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +91,7 @@ def test_what_is_no_number_goes_through_json_and_is_not_zero(angle_rad):
 
 def test_stored_sentences_take_todays_words_and_keep_theirs_when_the_code_is_gone():
     stored = for_json(WORDS.say("test.again", count=2))
-    later = Catalogue({"test.again": {"one": "Once more.", "other": "{count} more."}})
+    later = Catalogue({"test.again": "{count, plural, one {Once more.} other {{count} more.}}"})
     assert later.restored(stored) == "2 more."
     assert Catalogue({}).restored(stored) == "Repeat 2 steps."
     assert Catalogue({}).restored(["Plain."]) == ["Plain."]

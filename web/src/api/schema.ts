@@ -3296,7 +3296,7 @@ export interface components {
             $defs: {
                 /**
                  * SentenceOut
-                 * @description A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`.
+                 * @description A sentence for people, for whoever says it in another language: see `messages/en.json`.
                  */
                 SentenceOut: {
                     /** Code */
@@ -5470,7 +5470,7 @@ export interface components {
         };
         /**
          * SentenceOut
-         * @description A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`.
+         * @description A sentence for people, for whoever says it in another language: see `messages/en.json`.
          */
         SentenceOut: {
             /** Code */

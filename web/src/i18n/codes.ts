@@ -1,6 +1,6 @@
 // Sentences of the service by their code alone, for pages that name one before the service has said it. Large: left out of what
 // the patient's pages load.
-import english from './en/sentences.json';
+import english from '../../../messages/en.json';
 import { said, words, type Sentences } from './sentence';
 
 /** What is said by a code without parameters; the code itself where nothing is known of it. */

@@ -13,7 +13,7 @@ const WORDS: Record<Language, () => Promise<{ words: Catalogue }>> = {
 };
 /** The service itself writes English. */
 const SENTENCES: Partial<Record<string, () => Promise<unknown>>> = {
-  de: async () => (await import('./de/sentences.json')).default,
+  de: async () => (await import('../../../messages/de.json')).default,
 };
 const STORED_AS = 'telemotion.language';
 

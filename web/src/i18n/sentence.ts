@@ -1,8 +1,9 @@
-// Sentences of the service in the language of the reader: code and parameters from the service, words from a catalogue that
-// `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`. The service itself
-// writes English: no page loads that catalogue to read what it was sent, only those that know a code and no text (`codes.ts`).
+// Sentences of the service in the language of the reader: code and parameters from the service, words from the files in `messages`,
+// which the service reads too. Places are written as by `estimators/sentences/_formats.py`. The service itself writes
+// English: no page loads the English file to read what it was sent, only those that know a code and no text (`codes.ts`).
 import { currentLanguage, formatLocale, withinSentence } from './index';
 import { relabel } from './labels';
+import { parsed, type Message, type Place } from './message';
 
 /** What a text of the service says, for saying it again. */
 export interface Sentence {
@@ -10,8 +11,8 @@ export interface Sentence {
   params?: Record<string, unknown>;
 }
 
-type Entry = string | { one: string; other: string };
-export type Sentences = Record<string, Entry | undefined>;
+/** Messages by code. */
+export type Sentences = Record<string, string | undefined>;
 
 const catalogues: Record<string, Sentences> = {};
 
@@ -26,7 +27,6 @@ export function isSpoken(language: string): boolean {
 }
 
 const UNITS: Record<string, { factor: number; suffix: string; digits: number } | undefined> = {
-  number: { factor: 1, suffix: '', digits: 0 },
   s: { factor: 1, suffix: ' s', digits: 0 },
   ms: { factor: 1e3, suffix: ' ms', digits: 0 },
   min: { factor: 1 / 60, suffix: ' min', digits: 0 },
@@ -46,21 +46,19 @@ const UNITS: Record<string, { factor: number; suffix: string; digits: number } |
   kib: { factor: 2 ** -10, suffix: ' KiB', digits: 0 },
   kg: { factor: 1, suffix: ' kg', digits: 0 },
 };
-const LISTS = { and: 'conjunction', or: 'disjunction' } as const;
+const NUMBER = { factor: 1, suffix: '', digits: 0 };
 
 const isSentence = (value: unknown): value is Sentence =>
   typeof value === 'object' && value !== null && 'code' in value;
-const isList = (format: string): format is keyof typeof LISTS => format in LISTS;
 const all = (value: unknown): unknown[] => (Array.isArray(value) ? value : [value]);
 
-function listed(words: readonly string[], kind: keyof typeof LISTS): string {
-  return new Intl.ListFormat(formatLocale(), { type: LISTS[kind] }).format(words);
+function listed(words: readonly string[], last = ''): string {
+  return new Intl.ListFormat(formatLocale(), { type: last === 'or' ? 'disjunction' : 'conjunction' }).format(words);
 }
 
-function quantity(value: unknown, format: string): string | null {
-  const found = /^(?<name>\w+)(?:\.(?<digits>\d+)|~(?<significant>\d+))?$/.exec(format)?.groups;
-  const unit = UNITS[found?.name ?? ''];
-  if (!unit) return null;
+function quantity(value: unknown, style: string): string {
+  const found = /^(?<name>\w*)(?:\.(?<digits>\d+)|~(?<significant>\d+))?$/.exec(style)?.groups;
+  const unit = UNITS[found?.name ?? ''] ?? NUMBER;
   const digits = found?.digits === undefined ? unit.digits : Number(found.digits);
   const length =
     found?.significant === undefined
@@ -72,35 +70,40 @@ function quantity(value: unknown, format: string): string | null {
   return text.replace('-', /[1-9]/.test(text) ? '−' : '') + unit.suffix;
 }
 
-function written(value: unknown, format: string, words: Sentences): string {
+function written(value: unknown, { kind, style }: Place, words: Sentences): string {
   const plain = (one: unknown) => (isSentence(one) ? (said(one, words) ?? '') : String(one));
   // Within a sentence a sentence has no capital of its own.
   const within = (one: unknown) => (isSentence(one) ? withinSentence(plain(one)) : plain(one));
-  if (isList(format)) return listed(all(value).map(within), format);
-  if (format === 'lines') return all(value).map(plain).join(' ');
-  if (!format) return plain(value);
-  const number = quantity(value, format);
-  if (number !== null) return number;
-  const [kind = '', list = 'and'] = format.split('|');
+  if (!kind) return plain(value);
+  if (kind === 'number') return quantity(value, style);
+  if (kind === 'list')
+    return style === 'lines' ? all(value).map(plain).join(' ') : listed(all(value).map(within), style);
+  const [register = '', last] = style.split(' ');
   const names = all(value).map((one) => {
-    const entry = words[`${kind}.${String(one)}`];
-    return typeof entry === 'string' ? entry : String(one);
+    const entry = words[`${register}.${String(one)}`];
+    return entry === undefined ? String(one) : put(parsed(entry), {}, words);
   });
-  return listed(names, isList(list) ? list : 'and');
+  return listed(names, last);
+}
+
+/** The text of a message with its places filled. */
+function put(message: Message, params: Record<string, unknown>, words: Sentences): string {
+  const texts = message.map((part) => {
+    if (typeof part === 'string') return part;
+    const value = params[part.name] ?? '';
+    if (!('branches' in part)) return written(value, part, words);
+    const { branches } = part;
+    const category = new Intl.PluralRules(currentLanguage()).select(Number(value));
+    return put(branches[category] ?? branches.other ?? [], params, words);
+  });
+  return texts.join('');
 }
 
 /** A sentence in the words of a catalogue; null where the catalogue does not have it. */
 export function said(sentence: Sentence, words: Sentences): string | null {
   const entry = words[sentence.code];
-  const params = sentence.params ?? {};
   if (entry === undefined) return null;
-  const chosen =
-    typeof entry === 'string'
-      ? entry
-      : entry[new Intl.PluralRules(currentLanguage()).select(Number(params.count)) === 'one' ? 'one' : 'other'];
-  const text = chosen.replace(/\{(\w+)(?::([^}]*))?\}/g, (_, name: string, format: string | undefined) =>
-    written(params[name] ?? '', format ?? '', words),
-  );
+  const text = put(parsed(entry), sentence.params ?? {}, words);
   return text.slice(0, 1).toLocaleUpperCase(formatLocale()) + text.slice(1);
 }
 

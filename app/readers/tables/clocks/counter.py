@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 COUNT: Final = "count"
 """Stands for a unit of time in a mapping whose time column counts samples at its rate."""

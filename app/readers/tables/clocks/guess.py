@@ -19,8 +19,8 @@ from app.readers.tables.clocks.stamps import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import is_of_quantity, quantity_of, time_unit_of, without_unit, words_of
 from app.readers.tables.units import Body
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _TIME: Final = frozenset(
     {"time", "t", "timestamp", "timestamps", "seconds", "second", "secs", "elapsed", "millis"}

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.readers.tables.clocks.counter import gone_on
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 APART_S: Final = 1e-6
 """Of samples that all carry one stamp: nothing says how far they are apart."""

@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from app.sentences import Sentence, say
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 CLOCK: Final = "clock"
 """Stands for a unit of time in a mapping whose time column holds such text."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.sentences import say
 from estimators.recording import Float
+from estimators.sentences import say
 
 LOWEST_HZ, HIGHEST_HZ = 1.0, 4000.0
 _EVEN, _APART = 1.5, 0.05

@@ -12,7 +12,7 @@ from app.readers.tables.guess import SINGLE
 from app.readers.tables.head import TableHead
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.units import UNITS
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 
 def checked_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:

@@ -17,8 +17,8 @@ from app.readers.tables.head import TableHead
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.tables.streams import Clock, Stream, begun, joined, share_rows, stream_of
 from app.readers.units import TO_SI, check_accelerometer, check_gyroscope, check_magnetometer, is_earths
-from app.sentences import Sentence, say
 from estimators.recording import Float, SensorSignals
+from estimators.sentences import Sentence, say
 
 _COUNTED_APART: Final = 20.0
 """In samples: counters farther apart than that in rows that stand together are not of one moment."""

@@ -11,7 +11,7 @@ from app.readers.tables.guess import SINGLE, Guess
 from app.readers.tables.head import TableHead
 from app.readers.tables.names import time_unit_of
 from app.readers.tables.schemas import GuessedColumn, GuessedMapping
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 _OF_TIME: Final = frozenset({"guess.counter", "guess.rows_counted"})
 """Said again of the mapping as it is."""

@@ -15,8 +15,8 @@ from app.readers.tables.look.assumptions import assumed, missing, place_of
 from app.readers.tables.look.seconds import FirstSeconds, first_seconds
 from app.readers.tables.names import time_unit_of
 from app.readers.tables.schemas import CsvMapping, GuessedColumn, GuessedMapping
-from app.sentences import Sentence, say
 from estimators.recording import SensorSignals
+from estimators.sentences import Sentence, say
 
 _ORDER: Final = ("gyroscope", "accelerometer", "magnetometer")
 

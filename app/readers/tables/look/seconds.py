@@ -13,8 +13,8 @@ from app.readers.tables.head import TableHead
 from app.readers.tables.schemas import CsvColumn, CsvMapping
 from app.readers.tables.units import Body
 from app.readers.units import check_accelerometer, check_gyroscope, check_magnetometer
-from app.sentences import Sentence
 from estimators.recording import Float, SensorSignals
+from estimators.sentences import Sentence
 
 SHOWN_S: Final = 10.0
 _NO_FIELD_T: Final = (1e-6, 2e-3)

@@ -40,7 +40,7 @@ from app.readers.tables.tall.signals import (
 )
 from app.readers.tables.triples import triples_of
 from app.readers.tables.units import bodies_of
-from app.sentences import Sentence, say
+from estimators.sentences import Sentence, say
 
 _NO_SENSOR: Final = frozenset({"guess.no_signal", "guess.not_whole"})
 

@@ -10,10 +10,9 @@ from app.assessment.design.rules import whole_design
 from app.demo.people import EXERCISES
 from app.exercises.design import CueDesign, TemplateDesign
 from app.exercises.models import Posture
-from app.sentences import ENGLISH
-from app.sentences.german import GERMAN
 from estimators.comparison import Template
 from estimators.guidance import SENTENCES
+from messages import messages_in
 
 SITTING = re.compile(
     r"\b(sit|sits|sitting|seat|seated|chair|lap)\b|\b(sitzen|sitzt|hinsetzen|setzen sie sich)|stuhl|lehne",
@@ -64,7 +63,7 @@ def template_of(movement: str, angle: str, side: str) -> Template:
     )
 
 
-@pytest.mark.parametrize("words", [ENGLISH, GERMAN], ids=["en", "de"])
+@pytest.mark.parametrize("words", [messages_in("en"), messages_in("de")], ids=["en", "de"])
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("posture", get_args(Posture))
 @pytest.mark.parametrize(("movement", "angle"), CASES, ids=[f"{one[0]}-{one[1][:12]}" for one in CASES])
@@ -90,8 +89,8 @@ def test_no_cue_contradicts_its_exercise(movement, angle, posture, side, words):
         assert not [one for one in (words[cue.sentence] for cue in of_house) if OF_AN_ARM.search(one)]
 
 
-@pytest.mark.parametrize("words", [ENGLISH, GERMAN], ids=["en", "de"])
+@pytest.mark.parametrize("words", [messages_in("en"), messages_in("de")], ids=["en", "de"])
 def test_what_stops_an_exercise_speaks_of_no_posture(words):
-    said = [entry for code, entry in words.items() if code.startswith("guided.") and isinstance(entry, str)]
+    said = [entry for code, entry in words.items() if code.startswith("guided.")]
     assert len(said) > 10
     assert not [one for one in said if SITTING.search(one) or STANDING.search(one)]

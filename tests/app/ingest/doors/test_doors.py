@@ -25,10 +25,10 @@ from app.ingest.preview import previewed
 from app.ingest.preview_schemas import PreviewIn
 from app.recordings.analysis.jobs import run_job
 from app.recordings.schemas import UploadIn
-from app.sentences import say as said
 from app.settings import Settings
 from estimators.pipelines import SessionSetup
 from estimators.sentences import Sentence
+from estimators.sentences import say as said
 from tests.app.ingest.uploads import declare, session_of
 from tests.app.readers.odd_fields import field_tables
 from tests.app.readers.odd_tables import (

@@ -11,12 +11,12 @@ from app.errors import Unavailable
 from app.live.checks.first_seconds import CheckTurns, FirstSeconds
 from app.live.checks.live_words import _WORDS
 from app.live.checks.plausibility import Checked, check
-from app.sentences import ENGLISH, say
-from app.sentences.german import GERMAN
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere, TwoLooks
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from messages import messages_in
 from tests.said import codes
 
 ARM = ("upper_arm_right", "forearm_right")
@@ -256,17 +256,16 @@ def test_a_report_that_fails_does_not_end_the_checks_of_others(sound: ImuChunk) 
     asyncio.run(run())
 
 
-@pytest.mark.parametrize("language", ["english", "german"])
+@pytest.mark.parametrize("language", ["en", "de"])
 def test_no_word_to_a_person_with_a_live_sensor_speaks_of_columns(language: str) -> None:
     """Every message that advises to declare, map or scale something has another one live."""
-    known = GERMAN if language == "german" else ENGLISH
     of_tables = ("declare", "column", "multiply", "angegebenen", "Spalten", "malnehmen", "Geben Sie")
     dead = {"readings.magnetometer_zero", "readings.magnetometer_constant"}
     advises = {
         code
-        for code, words in known.items()
+        for code, words in messages_in(language).items()
         if code.startswith("readings.")
-        and "{where:place}" in str(words)
-        and any(word in str(words) for word in of_tables)
+        and "{where, code, place}" in words
+        and any(word in words for word in of_tables)
     }
     assert {code for code in advises if not code.startswith("readings.live_")} <= {*_WORDS, *dead}
