@@ -99,14 +99,14 @@ checks: web-test lint types api-test web/dist/index.html browser
 SERVICE_TESTS := --ignore=tests/e2e -o cache_dir=build/tests/service
 BROWSER_TESTS := tests/e2e -o cache_dir=build/tests/browser --basetemp=build/tests/files
 
-# What failed beside others runs again, named and alone, and that decides. Any other end than failed tests stays.
-decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone:" && \
-	$(BIN)/python -m pytest $(2) -n 0 -vv --last-failed --last-failed-no-failures none --maxfail=1; }; }
+# Where only tests of tests/again.txt failed they run again, named and alone, and that decides. Any other end stays.
+decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone, if tests/again.txt lists them:" && \
+	$(BIN)/python -m pytest $(2) -n 0 -vv -p tests.again --last-failed --last-failed-no-failures none --maxfail=1; }; }
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
-	@mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
+	@rm -rf build/tests; mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
 	@$(BIN)/python -m pytest $(BROWSER_TESTS) $(TWO_AT_ONCE) --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
 	trap 'kill $$browser 2>/dev/null' EXIT; service=0; pages=0; \
 	$(BIN)/python -m pytest $(SERVICE_TESTS) $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15 || service=$$?; \

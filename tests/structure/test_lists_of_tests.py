@@ -1,8 +1,9 @@
-"""What `make test-quick` leaves out by measurement is there, and is chosen as it says."""
+"""The tests that `make test-quick` leaves out and those that may run again exist, and are chosen as it says."""
 
 import ast
 from pathlib import Path
 
+from tests.again import AGAIN_FILE, MOST_AGAIN, listed
 from tests.costs import SLOW_FILE, function_of, too_costly
 
 ROOT = Path(__file__).parents[2]
@@ -14,15 +15,24 @@ def functions(file: Path) -> set[str]:
     return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)}
 
 
+def is_there(name: str) -> bool:
+    """Return whether a test function exists; a method may be inherited from a contract in another file."""
+    file, *_, function = name.split("::")
+    return (ROOT / file).exists() and (name.count("::") > 1 or function in functions(ROOT / file))
+
+
 def test_what_is_listed_is_there() -> None:
     names = SLOW_FILE.read_text().split()
     assert names == sorted(set(names))
-    for name in names:
-        file, *_, function = name.split("::")
-        # A method may be inherited from a contract in another file.
-        assert (ROOT / file).exists(), f"{name}: `make test-costs` writes the list anew"
-        if name.count("::") == 1:
-            assert function in functions(ROOT / file), f"{name}: `make test-costs` writes the list anew"
+    assert [name for name in names if not is_there(name)] == [], "`make test-costs` writes the list anew"
+
+
+def test_few_may_run_again_each_with_its_reason() -> None:
+    lines = AGAIN_FILE.read_text().splitlines()
+    reasons = listed(AGAIN_FILE.read_text())
+    assert len(reasons) == len(lines) <= MOST_AGAIN
+    assert [name for name in reasons if not is_there(name)] == []
+    assert [name for name, reason in reasons.items() if len(reason.split()) < 4] == []
 
 
 def test_the_fewest_go_until_the_rest_fits() -> None:
