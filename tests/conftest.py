@@ -1,12 +1,10 @@
 """The order of all tests, which of them are slow, and which of them drive a browser."""
 
-from pathlib import Path
-
 import pytest
 
 from tests import costs
 
-BROWSER_TESTS = Path(__file__).parent / "e2e"
+BROWSER_TESTS = "tests/e2e/"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -17,10 +15,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     of the tests, where those that begin a loop of their own fail: the browser tests run apart.
     """
     listed = frozenset() if config.pluginmanager.has_plugin("costs") else costs.listed()
+    slow = set()
     for item in items:
         if costs.function_of(item.nodeid) in listed:
             item.add_marker(pytest.mark.slow)
-        if BROWSER_TESTS in item.path.parents:
+        if item.nodeid.startswith(BROWSER_TESTS):
             item.add_marker(pytest.mark.e2e)
-    slow = {item.path for item in items if any(map(item.get_closest_marker, ("slow", "postgres")))}
-    items.sort(key=lambda item: item.path not in slow)
+        if any(map(item.get_closest_marker, ("slow", "postgres"))):
+            slow.add(file_of(item))
+    items.sort(key=lambda item: file_of(item) not in slow)
+
+
+def file_of(item: pytest.Item) -> str:
+    """Return the file of a test as its node id names it."""
+    return item.nodeid.partition("::")[0]
