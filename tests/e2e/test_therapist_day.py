@@ -166,7 +166,8 @@ def test_everything_held_about_a_patient_is_downloaded(visitor: Visitor, house: 
     page = visitor.page
     page.goto(f"{house.address}/patients/{house.patient_id}")
     settle(visitor)
-    with page.expect_download() as download:
+    # The archive is packed while other tests compute.
+    with page.expect_download(timeout=1000 * PATIENCE_S) as download:
         page.get_by_role("link", name="Download everything").click()
     with zipfile.ZipFile(download.value.path()) as archive:
         names = archive.namelist()

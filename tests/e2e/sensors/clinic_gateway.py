@@ -26,15 +26,22 @@ RESTED_S: Final = 10.0
 PATIENT: Final = demonstration_scenario("moderate_stroke", "reaching", progress=0.9, repetitions=3, seed=5)
 
 
-def deliveries(
-    device: DeviceStream, held_s: tuple[float, float], may_go_on: Callable[[], bool]
-) -> Iterator[tuple[float, Delivery]]:
-    """Yield each packet with its time in the recording; repeat `held_s` of the recording until it may go on."""
-    first, last = (round(at_s / device.packet_s) for at_s in held_s)
+Hold = tuple[float, float, Callable[[], bool]]
+"""A part of a recording, from and to, s, that is sent again and again until it may go on."""
+
+
+def deliveries(device: DeviceStream, *holds: Hold) -> Iterator[tuple[float, Delivery]]:
+    """Yield each packet with its time in the recording; repeat each hold until it may go on."""
+    waiting = list(holds)
     behind = 0
     for sequence in itertools.count():
-        if sequence - behind == last and not may_go_on():
-            behind += last - first
+        if waiting:
+            first, last = (round(at_s / device.packet_s) for at_s in waiting[0][:2])
+            if sequence - behind == last:
+                if waiting[0][2]():
+                    waiting.pop(0)
+                else:
+                    behind += last - first
         number = sequence - behind
         if number == device.packet_count:
             return
@@ -107,7 +114,7 @@ class Gateway(threading.Thread):
                 recording.cancel()
 
     def _sent(self, may_move: Callable[[], bool]) -> Iterator[Delivery]:
-        for at_s, delivery in deliveries(self.device, HELD_S, may_move):
+        for at_s, delivery in deliveries(self.device, (*HELD_S, may_move)):
             if at_s >= self.moved_s:
                 self.has_moved.set()
             yield delivery

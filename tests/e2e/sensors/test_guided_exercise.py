@@ -7,8 +7,10 @@ import re
 import threading
 import time
 from collections.abc import AsyncIterator, Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, expect
 from sqlalchemy import select
@@ -18,7 +20,7 @@ from app.accounts.models import Account
 from app.database.unit_of_work import read_only
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
 from app.exercises.models import Exercise
-from app.gateway import ServiceClient
+from app.gateway import DeviceStream, ServiceClient
 from app.patients.models import Patient
 from tests.app.live.guided import N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
 from tests.e2e.conftest import Service, Visitor, serving
@@ -28,11 +30,9 @@ from tests.e2e.test_pages import serious, unreached_by_tab
 from tests.patience import PATIENCE_S
 
 PATIENT = PATIENTS[0]
-HELD_S = (1.0, N_POSE_S - 1.0)
-"""The part of the pose that is sent again and again until the page is ready."""
-AT_REST_S = N_POSE_S + 1.6
-SLOW = 6.0
-"""By so much slower the patient sits at rest until Go was pressed."""
+POSE_S = (1.0, N_POSE_S - 1.0)
+REST_S = (N_POSE_S + 1.8, N_POSE_S + 3.4)
+"""The parts of the pose and of the rest after it that are sent again and again until the page has gone on."""
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ class Body:
         self.is_ready, self.is_at_rest, self.may_move = (threading.Event() for _ in range(3))
         self.error: Exception | None = None
         self._address, self._session_id, self._done = address, session_id, done
-        self.thread = threading.Thread(target=self._run, name="gateway")
+        self.thread = threading.Thread(target=self._run, name="gateway", daemon=True)
         self.thread.start()
 
     def _run(self) -> None:
@@ -74,18 +74,30 @@ class Body:
             self.error = error
 
     async def _stream(self) -> None:
-        stream = self._done.stream
+        stream = at_rest(self._done.stream)
+        holds = (*POSE_S, self.is_ready.is_set), (*REST_S, self.may_move.is_set)
         async with ServiceClient(self._address) as client:
             await client.sign_in(THERAPIST, PASSWORD)
             async with taken(client, self._session_id, self._done) as socket:
                 reading = asyncio.create_task(drain(socket))
-                for at_s, delivery in deliveries(stream, HELD_S, self.is_ready.is_set):
+                for at_s, delivery in deliveries(stream, *holds):
                     await socket.send(delivery.data)
-                    rests = at_s >= AT_REST_S and not self.may_move.is_set()
-                    if rests:
+                    if at_s >= REST_S[0]:
                         self.is_at_rest.set()
-                    await asyncio.sleep(stream.packet_s * (SLOW if rests else 1.0))
+                    await asyncio.sleep(stream.packet_s)
                 reading.cancel()
+
+
+def at_rest(stream: DeviceStream) -> DeviceStream:
+    """Let the rest turn nothing: repeated, its sway would turn the sensors further and further.
+
+    Of the gyroscopes the same is left as in the pose, where they measure their bias.
+    """
+    counts = stream.counts.copy()
+    pose, rest = (slice(*(round(at_s * stream.rate_hz) for at_s in part)) for part in (POSE_S, REST_S))
+    turning = counts[rest, :, :3].mean(axis=0) - counts[pose, :, :3].mean(axis=0)
+    counts[rest, :, :3] -= np.rint(turning).astype(np.int16)
+    return replace(stream, counts=counts)
 
 
 @contextlib.asynccontextmanager
