@@ -99,17 +99,17 @@ checks: web-test lint types api-test web/dist/index.html browser
 SERVICE_TESTS := --ignore=tests/e2e -o cache_dir=build/tests/service
 BROWSER_TESTS := tests/e2e -o cache_dir=build/tests/browser --basetemp=build/tests/files
 
-# What failed beside others runs again, named and alone, and that decides. Any other end than failed tests stays.
-decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone:" && \
-	$(BIN)/python -m pytest $(2) -n 0 -vv --last-failed --last-failed-no-failures none --maxfail=1; }; }
+# Where only tests of tests/again.txt failed they run again, named and alone, and that decides. Any other end stays.
+decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone, if tests/again.txt lists them:" && \
+	$(BIN)/python -m pytest $(2) -n 0 -vv -p tests.again --last-failed --last-failed-no-failures none --maxfail=1; }; }
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
-	@mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
-	@$(BIN)/python -m pytest $(BROWSER_TESTS) $(TWO_AT_ONCE) --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
+	@rm -rf build/tests; mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
+	@$(BIN)/python -m pytest $(BROWSER_TESTS) $(TWO_AT_ONCE) -p tests.costs --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
 	trap 'kill $$browser 2>/dev/null' EXIT; service=0; pages=0; \
-	$(BIN)/python -m pytest $(SERVICE_TESTS) $(TWO_AT_ONCE) --no-loadscope-reorder --durations=15 || service=$$?; \
+	$(BIN)/python -m pytest $(SERVICE_TESTS) $(TWO_AT_ONCE) --no-loadscope-reorder -p tests.costs --durations=15 || service=$$?; \
 	wait $$browser || pages=$$?; cat build/tests/browser.log; \
 	$(call decided,$$service,$(SERVICE_TESTS)) && $(call decided,$$pages,$(BROWSER_TESTS))
 
@@ -118,9 +118,9 @@ coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
 test-quick: $(VENV)/compiled ## The quick tests only, no browser: at every save; names those that took over 2 s
-	@$(BIN)/python -m pytest -m "$(QUICK)" $(TWO_AT_ONCE) --durations=20 --durations-min=2
+	@$(BIN)/python -m pytest -m "$(QUICK)" $(TWO_AT_ONCE) -p tests.costs --durations=20 --durations-min=2
 
-test-costs: $(VENV)/compiled ## Processor time of each test that is not marked slow; writes tests/slow.txt
+test-costs: $(VENV)/compiled ## Processor time of each test that is not marked slow; writes tests/slow.txt and tests/budget.txt
 	@$(BIN)/python -m pytest -m "$(QUICK)" $(TWO_AT_ONCE) -p tests.costs --write-slow
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load

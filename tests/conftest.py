@@ -1,12 +1,20 @@
 """The order of all tests, which of them are slow, and which of them drive a browser."""
 
-from pathlib import Path
+import gc
 
 import pytest
 
 from tests import costs
 
-BROWSER_TESTS = Path(__file__).parent / "e2e"
+BROWSER_TESTS = "tests/e2e/"
+
+# What is made while tests are imported stays: looking for garbage in it takes a tenth of the time.
+gc.disable()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop() -> None:
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -16,11 +24,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     Begun last, one of them would keep one of two processes idle. A browser leaves its event loop running in the process
     of the tests, where those that begin a loop of their own fail: the browser tests run apart.
     """
-    listed = frozenset() if config.pluginmanager.has_plugin("costs") else costs.listed()
+    listed = frozenset() if config.getoption("--write-slow", False) else costs.listed()
+    slow = set()
     for item in items:
         if costs.function_of(item.nodeid) in listed:
             item.add_marker(pytest.mark.slow)
-        if BROWSER_TESTS in item.path.parents:
+        if item.nodeid.startswith(BROWSER_TESTS):
             item.add_marker(pytest.mark.e2e)
-    slow = {item.path for item in items if any(map(item.get_closest_marker, ("slow", "postgres")))}
-    items.sort(key=lambda item: item.path not in slow)
+        if any(map(item.get_closest_marker, ("slow", "postgres"))):
+            slow.add(file_of(item))
+    items.sort(key=lambda item: file_of(item) not in slow)
+
+
+def file_of(item: pytest.Item) -> str:
+    """Return the file of a test as its node id names it."""
+    return item.nodeid.partition("::")[0]

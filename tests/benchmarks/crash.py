@@ -44,6 +44,7 @@ from tests.benchmarks.service import (
     make_patient,
     open_sessions,
 )
+from tests.patience import PATIENCE_S
 from tests.ports import free_port
 
 FIRST_FRAME_S = 8.0
@@ -51,9 +52,6 @@ PERIOD_S = 62.85
 """Of the movement, which begins anew: ten turns of a sine."""
 EARLY = 0.2
 """Share of kills that come while sessions are still coming back."""
-LONGEST_BACK_S = 120.0
-HELPER_ENDS_S = 60.0
-"""In which a helper process ends once its service was killed."""
 
 
 @dataclass
@@ -68,7 +66,7 @@ class Life:
 
     async def until_back(self, count: int) -> None:
         """Return when so many sessions have shown a frame."""
-        async with asyncio.timeout(LONGEST_BACK_S):
+        async with asyncio.timeout(PATIENCE_S):
             while len(self.frame_s) < count:
                 self.changed.clear()
                 await self.changed.wait()
@@ -102,7 +100,7 @@ class Session:
         self.is_over = False
         self.sent = 0
         self.gateway = GatewayClient(
-            client.ingest_url, lambda: client.ticket(session_id), stream.hello, give_up_s=LONGEST_BACK_S
+            client.ingest_url, lambda: client.ticket(session_id), stream.hello, give_up_s=PATIENCE_S
         )
 
     def time_us(self, number: int) -> int:
@@ -170,7 +168,7 @@ def is_alive(process: psutil.Process) -> bool:
 
 def left_over(killed: list[psutil.Process]) -> int:
     """Return how many have not ended: a helper that was just starting learns of the death once it has started."""
-    until = time.monotonic() + HELPER_ENDS_S
+    until = time.monotonic() + PATIENCE_S
     while (left := sum(map(is_alive, killed))) and time.monotonic() < until:
         time.sleep(0.1)
     return left
@@ -184,7 +182,7 @@ async def live_on(environment: Mapping[str, str], client: ServiceClient, life: L
             if (await client.http.get("/api/ready")).is_success:
                 life.ready_s = time.monotonic() - life.began_s
                 return process
-        if process.poll() is not None or time.monotonic() - life.began_s > LONGEST_BACK_S:
+        if process.poll() is not None or time.monotonic() - life.began_s > PATIENCE_S:
             raise RuntimeError("the service did not start")
         await asyncio.sleep(0.05)
 
@@ -227,7 +225,7 @@ async def run(
             await asyncio.gather(*tasks, return_exceptions=True)
         finally:
             process.terminate()
-            process.wait(60)
+            process.wait(PATIENCE_S)
     outcome.left_over = left_over(killed)
     for one in streamed:
         one.check(environment["TELEMOTION_DATABASE_URL"], outcome)

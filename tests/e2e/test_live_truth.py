@@ -70,6 +70,7 @@ def recording_of(service: Service, patient_id: str) -> str:
     raise TimeoutError("the simulated patient does not record")
 
 
+@pytest.mark.slow("a service of its own is stopped, and a session is simulated in a process beside it")
 def test_what_the_live_page_says_is_true(
     chromium: Browser, service: Service, gateway: "subprocess.Popen[bytes]"
 ) -> None:

@@ -231,7 +231,7 @@ def said(process: "subprocess.Popen[str]") -> str:
     return text.strip()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("four processes import numba, and two of them compile")
 def test_two_processes_compile_a_kernel_once(tmp_path):
     assert said(start(tmp_path, "only")) == "not compiled"
     both = [start(tmp_path), start(tmp_path)]

@@ -15,7 +15,8 @@ from app.database.engine import create_from_url
 from app.errors import TelemotionError
 from app.gateway import DeviceStream, GatewayClient, ServiceClient
 from app.recordings.signals.store import read_packets
-from tests.benchmarks.crash import LONGEST_BACK_S, Outcome, Session
+from tests.benchmarks.crash import Outcome, Session
+from tests.patience import PATIENCE_S
 
 JUST_SENT_S = 0.3
 """What a killed process sent last may be on its way so long."""
@@ -37,7 +38,7 @@ class RovingGateway(GatewayClient):
             mqtt_url or self._client.ingest_url,
             lambda: self._client.ticket(session_id),
             stream.hello,
-            give_up_s=LONGEST_BACK_S,
+            give_up_s=PATIENCE_S,
         )
         self._is_first = True
 

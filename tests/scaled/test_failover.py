@@ -21,7 +21,12 @@ from tests.scaled.cluster import EMAIL, PASSWORD, Cluster
 from tests.scaled.embedded import embedded_shown
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow(
+        "a whole service starts, a worker dies, and a session is estimated again to compare every bit"
+    ),
+    pytest.mark.postgres,
+]
 
 SESSIONS = 4
 BEFORE_S, AFTER_S = 6.0, 6.0

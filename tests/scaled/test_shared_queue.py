@@ -112,9 +112,9 @@ def long_at_first(context: JobContext) -> str:
     return f"attempt {context.attempt}"
 
 
-@pytest.mark.slow
+@pytest.mark.slow("each of three tasks starts a process that imports the service")
 def test_two_workers_run_every_task_once(queue: Queue) -> None:
-    ids = queue.add(8)
+    ids = queue.add(3)
     runners = [queue.runner(well) for _ in range(2)]
     queue.until(lambda: len(queue.done) == len(ids))
     for runner, _ in runners:
@@ -125,7 +125,7 @@ def test_two_workers_run_every_task_once(queue: Queue) -> None:
     assert {rows[one].arguments["runner"] for one in ids} == {lock.key for _, lock in runners}
 
 
-@pytest.mark.slow
+@pytest.mark.slow("each attempt starts a process that imports the service")
 def test_what_ran_at_a_worker_that_has_ended_is_taken_up_by_another(queue: Queue) -> None:
     (job_id,) = queue.add(1)
     first, lock = queue.runner(long_at_first)

@@ -37,7 +37,10 @@ from tests.app.live.engine.test_checkpoint import give, settled
 from tests.app.live.live_load import connected, remember, swaying
 from tests.benchmarks.service import SECRET
 
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow("a service is compiled, streams and is taken over, in PostgreSQL"),
+    pytest.mark.postgres,
+]
 
 STATEMENTS: Final = 7
 """Two for which sessions there are, five for what is stored of them; however many they are."""

@@ -16,7 +16,12 @@ from tests.scaled.upgrading import VERSION, Upgrade, parts_of, upgrade, version_
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
 pytest.importorskip("paho.mqtt", reason="the extra `scaled` is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow(
+        "each of four processes is replaced while sessions stream, and one is estimated again to compare every bit"
+    ),
+    pytest.mark.postgres,
+]
 
 SESSIONS = 3
 

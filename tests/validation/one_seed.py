@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 
 import validation
-from validation import FigureResult, ProtocolResult
+from tests.validation.passed_before import modules_of, unless_passed_before
+from validation import FigureResult
 
 SCRIPTED: Final = frozenset({"relative_pose_ten_hours"})
 """Minutes long: run by the command alone."""
@@ -47,8 +48,10 @@ def amiss(found: FigureResult, *, is_timed: bool = False) -> bool:
     return found.judged.value > gross if at_most else found.judged.value < gross
 
 
-def run(name: str, seed: int = 0) -> tuple[ProtocolResult, set[str]]:
-    """Run an experiment; returns its result and the names of the figures that are amiss."""
-    (result,) = validation.run([name], seeds=SEVERAL.get(name, 1), first_seed=seed)
-    found = {one.figure.name for one in result.figures if amiss(one, is_timed=name in TIMED)}
-    return result, found - UNMET.get(name, set())
+def check(name: str, seed: int = 0) -> None:
+    """Run an experiment unless it passed before with the same code; fail where a figure is amiss."""
+    protocol = next(one for one in validation.protocols() if one.name == name)
+    with unless_passed_before(name, modules_of(protocol)):
+        (result,) = validation.run([name], seeds=SEVERAL.get(name, 1), first_seed=seed)
+        found = {one.figure.name for one in result.figures if amiss(one, is_timed=name in TIMED)}
+        assert found <= UNMET.get(name, set()), validation.to_table([result])

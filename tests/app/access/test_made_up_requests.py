@@ -27,7 +27,7 @@ LEFT_OUT = ("/api/sign-out", "/api/me/password")
 """They end the sign-in that all other requests use; their own tests are in test_sign_in.py."""
 
 
-@pytest.mark.slow
+@pytest.mark.slow("each of some two hundred routes gets made-up requests")
 @pytest.mark.parametrize(
     ("database", "phases"),
     [

@@ -65,7 +65,13 @@ class Odd:
 
 
 def numbers(values: np.ndarray, digits: int = 7) -> list[list[str]]:
-    return [[f"{value:.{digits}g}" for value in row] for row in values.tolist()]
+    return _numbers(values.shape, values.astype(float).tobytes(), digits)
+
+
+@functools.cache
+def _numbers(shape: tuple[int, ...], values: bytes, digits: int) -> list[list[str]]:
+    rows = np.frombuffer(values).reshape(shape).tolist()
+    return [[f"{value:.{digits}g}" for value in row] for row in rows]
 
 
 def text(
@@ -76,11 +82,10 @@ def text(
     quote: str = "",
     end: str = "\n",
 ) -> str:
-    lines = [
-        *header,
-        *(delimiter.join(f"{quote}{one.replace('.', decimal)}{quote}" for one in row) for row in rows),
-    ]
-    return end.join(lines) + end
+    if decimal != ".":
+        rows = [[one.replace(".", decimal) for one in row] for row in rows]
+    lines = (quote + f"{quote}{delimiter}{quote}".join(row) + quote for row in rows)
+    return end.join([*header, *lines]) + end
 
 
 def rows_of(

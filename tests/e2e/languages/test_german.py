@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from playwright.sync_api import Browser, Page
 from app.demo.people import PATIENTS, THERAPIST
 from estimators.sentences._message import Message, Place, parsed
 from tests.e2e.conftest import ROOT, House, Visitor
+from tests.e2e.test_pages import settle
 from tests.words import ENGLISH, GERMAN, titles
 
 KEY = re.compile(r"^\s+'[\w.]+':\s*(.+?)(?=^\s+'[\w.]+':|^\})", re.MULTILINE | re.DOTALL)
@@ -78,8 +80,14 @@ def patterns(texts: set[str]) -> list[re.Pattern[str]]:
     ]
 
 
-ENGLISH_TEXTS = patterns(catalogue("en") - catalogue("de"))
-GERMAN_TEXTS = patterns(catalogue("de"))
+@cache
+def english_texts() -> list[re.Pattern[str]]:
+    return patterns(catalogue("en") - catalogue("de"))
+
+
+@cache
+def german_texts() -> list[re.Pattern[str]]:
+    return patterns(catalogue("de"))
 
 
 STOP = re.compile(
@@ -97,9 +105,9 @@ def left_in_english(page: Page, data: set[str]) -> list[str]:
         text = shown
         for one in sorted(data, key=len, reverse=True):
             text = text.replace(one, " ")
-        is_ours = any(one.fullmatch(shown) for one in ENGLISH_TEXTS)
+        is_ours = any(one.fullmatch(shown) for one in english_texts())
         if (
-            is_ours and not any(one.fullmatch(shown) for one in GERMAN_TEXTS) and text.strip()
+            is_ours and not any(one.fullmatch(shown) for one in german_texts()) and text.strip()
         ) or STOP.search(text):
             found.add(shown)
     return sorted(found)
@@ -162,8 +170,8 @@ def fits(page: Page) -> bool:
 def test_a_page_is_german(german: Visitor, house: House, name: str, path: str) -> None:
     page = german.page
     page.goto(house.address + path.format(**vars(house)))
-    page.get_by_role("main").get_by_role("heading", level=1).wait_for()
     page.wait_for_load_state("networkidle")
+    settle(german)
     german.picture(f"de-{name}")
     assert page.evaluate("document.documentElement.lang") == "de"
     assert left_in_english(page, written_by_people(page, house)) == []
@@ -187,6 +195,6 @@ def test_the_language_is_chosen_before_signing_in(german: Visitor, house: House)
 
 
 def test_an_english_page_would_be_found() -> None:
-    assert any(one.fullmatch("Find a patient") for one in ENGLISH_TEXTS)
-    assert not any(one.fullmatch("Find a patient") for one in GERMAN_TEXTS)
-    assert any(one.fullmatch("3 patients shown") for one in ENGLISH_TEXTS)
+    assert any(one.fullmatch("Find a patient") for one in english_texts())
+    assert not any(one.fullmatch("Find a patient") for one in german_texts())
+    assert any(one.fullmatch("3 patients shown") for one in english_texts())

@@ -125,5 +125,30 @@ def put_on(page: Page, what: Evening) -> None:
 def go_on(page: Page) -> int:
     """Leave the present rest; returns by how many ticks the emulation is behind the recording then."""
     until = int(page.evaluate("emulated.goOn()[1]"))
-    page.wait_for_function("until => emulated.sample > until", arg=until)
+    wait_until_felt(page, until + 1)
     return int(page.evaluate("emulated.shift"))
+
+
+def wait_until_felt(page: Page, sample: int) -> None:
+    """Wait until the sensors have felt this sample, however busy the machine is."""
+    page.wait_for_function("until => emulated.sample >= until", arg=sample)
+
+
+def watch_lines(page: Page) -> None:
+    """Note every cue that is shown, once within its 4 s: a page without a link may hide it for a moment."""
+    page.evaluate(
+        """() => {
+            window.lines = [];
+            let before = '', last = '', since = -Infinity;
+            setInterval(() => {
+                const now = document.querySelector('.doing-cue')?.textContent ?? '';
+                const isAgain = now === last && performance.now() - since < 4000;
+                if (now && now !== before && !isAgain) {
+                    window.lines.push(now);
+                    last = now;
+                    since = performance.now();
+                }
+                before = now;
+            }, 50);
+        }"""
+    )

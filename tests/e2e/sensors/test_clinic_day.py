@@ -5,7 +5,6 @@ repetitions and the phases in which they were; progress, caseload and both repor
 """
 
 import re
-import time
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
@@ -14,7 +13,7 @@ from zoneinfo import ZoneInfo
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 from sqlalchemy import select
 
 from app.database.unit_of_work import unit_of_work
@@ -25,7 +24,7 @@ from estimators.simulation import demonstration_scenario
 from tests.e2e.conftest import Service, Visitor
 from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay
-from tests.e2e.sensors.clinic_gateway import PACE, Gateway
+from tests.e2e.sensors.clinic_gateway import Gateway
 from tests.e2e.sensors.evenings import (
     EXERCISE,
     LEANING,
@@ -38,6 +37,8 @@ from tests.e2e.sensors.evenings import (
     evening,
     go_on,
     put_on,
+    wait_until_felt,
+    watch_lines,
 )
 from tests.patience import PATIENCE_S
 
@@ -70,12 +71,12 @@ def record_template(therapist: Visitor, service: Service) -> None:
     page.wait_for_url("**/live")
     session_id = page.url.split("/")[-2]
     shown = demonstration_scenario("therapist_template", EXERCISE, seed=4, repetitions=5)
-    gateway = Gateway(service.address, session_id, list(PLACEMENTS), shown, pose_s=16.0)
+    gateway = Gateway(service.address, session_id, list(PLACEMENTS), shown)
     gateway.start()
     page.get_by_role("button", name="Calibrate", exact=True).click()
     page.get_by_role("button", name="Start recording").click()
     page.get_by_role("button", name="Stop recording").wait_for()
-    page.wait_for_timeout(1000 * max(0.0, (gateway.done_s - 8.0) / PACE))
+    assert gateway.has_moved.wait(PATIENCE_S)
     page.get_by_role("button", name="Stop recording").click()
     gateway.join(PATIENCE_S)
     assert gateway.error is None
@@ -131,7 +132,6 @@ class Done:
 
     what: Evening
     session_id: str
-    count: str = ""
     cues: list[str] = field(default_factory=list)
     behind: int = 0
     first: int = 0
@@ -142,8 +142,13 @@ class Done:
         return self.what.repetitions_s + (self.first + self.behind - int(numbers[0])) / home.RATE_HZ
 
 
-def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = None) -> Done:
-    """An evening at home, as the page leads through it; with a relay the link is broken in the middle."""
+def exercise(
+    patient: Visitor, what: Evening, name: str, count: str, cues: int = 0, relay: Relay | None = None
+) -> Done:
+    """An evening at home, as the page leads through it, until so much is counted and so many cues were shown.
+
+    With a relay the link is broken in the middle.
+    """
     page = patient.page
     page.goto(patient.address)
     expect(page.get_by_text("Today: 1 exercise")).to_be_visible()
@@ -159,21 +164,22 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
     expect(line).to_have_text("Begin when you like")
     watch_lines(page)
     done.behind, done.first = go_on(page), int(page.evaluate("emulated.first"))
-    begins_s = time.monotonic()
-    end_s = float(what.repetitions_s[-1, 1]) - what.rests[1][1] / home.RATE_HZ
     if relay is not None:
-        middle_s = float(what.repetitions_s[1, 1]) - what.rests[1][1] / home.RATE_HZ
-        page.wait_for_timeout(1000 * max(0.0, begins_s + middle_s - time.monotonic()))
+        wait_until_felt(page, round(home.RATE_HZ * float(what.repetitions_s[1, 1])))
         relay.break_link()
         page.wait_for_timeout(1000 * BROKEN_S)
         patient.picture(f"day-{name}-broken-390")
         relay.mend()
-    page.wait_for_timeout(1000 * max(0.0, begins_s + end_s + 1.5 - time.monotonic()))
+    wait_until_felt(page, what.rests[-1][0])
     if relay is not None:
         expect(page.locator(".sensor-status")).to_contain_text("Nothing waits on this device")
+    expect(page.get_by_label("Counted")).to_contain_text(count)
+    page.wait_for_function(
+        "count => window.lines.filter((one) => one !== 'Well done.').length >= count", arg=cues
+    )
+    # A cue too many would come within this time.
     page.wait_for_timeout(1500)
     patient.picture(f"day-{name}-done-390")
-    done.count = page.get_by_label("Counted").inner_text()
     done.cues = page.evaluate("window.lines")
     finish = page.get_by_role("button", name="Finish for today")
     if finish.count() == 0:
@@ -183,26 +189,6 @@ def exercise(patient: Visitor, what: Evening, name: str, relay: Relay | None = N
     patient.picture(f"day-{name}-after-390")
     page.get_by_role("heading", name="Your result is ready").wait_for()
     return done
-
-
-def watch_lines(page: Page) -> None:
-    """Note every cue that is shown, once within its 4 s: a page without a link may hide it for a moment."""
-    page.evaluate(
-        """() => {
-            window.lines = [];
-            let before = '', last = '', since = -Infinity;
-            setInterval(() => {
-                const now = document.querySelector('.doing-cue')?.textContent ?? '';
-                const isAgain = now === last && performance.now() - since < 4000;
-                if (now && now !== before && !isAgain) {
-                    window.lines.push(now);
-                    last = now;
-                    since = performance.now();
-                }
-                before = now;
-            }, 50);
-        }"""
-    )
 
 
 def comparison_of(client: httpx.Client, session_id: str) -> Any:
@@ -275,15 +261,13 @@ def test_a_clinic_day(chromium: Browser, service: Service, relay: Relay) -> None
             exercise_id = prescription.exercise_id
         patient = opened(chromium, relay, PATIENT.email, 390)
 
-        good = exercise(patient, evening(GOOD), "good", relay)
-        assert good.count.split() == ["5", "of", "5"]
+        good = exercise(patient, evening(GOOD), "good", "5of 5", relay=relay)
         compared = check_truth(client, good, ["valid"] * 5, {})
         assert leaning(compared) == {}
         assert row_of(client, patient_id)["reason"] == ""
         date_back(service.engine, good.session_id, 4.0)
 
-        leant = exercise(patient, evening(COMPENSATED), "lean")
-        assert leant.count.split() == ["5", "of", "5"]
+        leant = exercise(patient, evening(COMPENSATED), "lean", "5of 5", cues=3)
         cues = {number: ["Stand tall."] for number in (2, 4, 5)}
         compared = check_truth(client, leant, ["valid"] * 5, cues)
         # Farthest where the arm is: from the middle of the way out to that of the way back.
@@ -295,8 +279,7 @@ def test_a_clinic_day(chromium: Browser, service: Service, relay: Relay) -> None
         assert row_of(client, patient_id)["reason"] == "compensation"
         date_back(service.engine, leant.session_id, 2.0)
 
-        poor = exercise(patient, evening(POOR), "poor")
-        assert poor.count.split()[:3] == ["2", "of", "5"]
+        poor = exercise(patient, evening(POOR), "poor", "2of 5", cues=3)
         cues = {2: ["A little further."], 3: ["A little further."], 4: ["A bit quicker."]}
         compared = check_truth(client, poor, ["valid", "partial", "partial", "valid"], cues)
         assert leaning(compared) == {}

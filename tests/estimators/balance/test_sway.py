@@ -86,7 +86,7 @@ def test_the_lean_of_an_ideal_pendulum_is_found_at_every_frequency():
         np.testing.assert_allclose(found[inside], lean[inside], atol=0.04 * 0.006)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a hundred simulated trials, as coverage is a share")
 def test_sigma_covers_the_truth_on_a_cheap_sensor():
     stance = Stance(30.0)
     off = {}

@@ -21,7 +21,10 @@ from tests.scaled.embedded import embedded_shown
 from tests.scaled.killing import Calibration, streaming, whole_service
 from tests.scaled.mqtt.server import Stranger
 
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow("a broker, PostgreSQL, two edges and two workers start, and stream by MQTT"),
+    pytest.mark.postgres,
+]
 
 BETWEEN_S = 2.0
 """Of the death of an edge, which is five seconds of silence by MQTT; tests share their machine."""

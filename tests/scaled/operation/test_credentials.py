@@ -182,7 +182,7 @@ class WithCredentials(Cluster):
         self.processes["nats"] = launch(self.folder, self.nats_port, self.operator.lines())
 
 
-@pytest.mark.slow
+@pytest.mark.slow("a whole service starts at a broker with accounts")
 @pytest.mark.postgres
 def test_edges_and_workers_stream_with_credentials() -> None:
     with whole_service(kind=WithCredentials) as (cluster, database, stream, _):

@@ -14,7 +14,10 @@ from tests.scaled.database import Database
 from tests.scaled.killing import whole_service
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow("a whole service starts, and its parts are taken away one after the other"),
+    pytest.mark.postgres,
+]
 
 PARTS = ("edge0", "worker0")
 OWN_METRICS = {"edge0": "gateways", "worker0": "partitions_held"}

@@ -18,7 +18,10 @@ from tests.scaled.mqtt.server import until_listening
 from tests.scaled.streaming import Roving, check_stored
 
 pytest.importorskip("nats", reason="the extra `scaled` is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow("a whole service is thrown away and restored, so no other test can share it"),
+    pytest.mark.postgres,
+]
 
 SESSIONS = 3
 BEFORE_S = 4.0

@@ -25,7 +25,7 @@ from tests.scaled.cluster import EMAIL, PASSWORD
 from tests.scaled.killing import streaming, whole_service
 from tests.scaled.tls.certificates import Authority
 
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [pytest.mark.slow("a whole service starts with certificates of its own"), pytest.mark.postgres]
 
 SESSIONS = 2
 STREAMED_S = 3.0

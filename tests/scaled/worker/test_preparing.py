@@ -35,7 +35,10 @@ from tests.scaled.test_takeover import SECONDS, database, goes_on, limits, no_ch
 
 __all__ = ["database", "no_checks"]
 
-pytestmark = [pytest.mark.slow, pytest.mark.postgres]
+pytestmark = [
+    pytest.mark.slow("sessions are estimated anew from all their packets, in PostgreSQL"),
+    pytest.mark.postgres,
+]
 
 
 def test_what_others_still_hold_is_estimated_ahead_and_taken_with_every_bit(

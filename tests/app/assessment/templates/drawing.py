@@ -1,5 +1,7 @@
 """A stored template of known shape for tests of what is drawn on it: rows as recording would leave them."""
 
+from functools import cache
+
 from sqlalchemy import Engine
 
 from app.database.base import new_id
@@ -15,6 +17,7 @@ MAIN = "humerus_forearm_right_zxy_flexion"
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 
 
+@cache
 def planar_template() -> Recorded:
     made = make_planar(noise_rad=0.001)
     return build_template(made.trajectory, made.truth, "right", made.reach_m, made.primary)

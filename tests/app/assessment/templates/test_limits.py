@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,6 @@ from tests.said import codes
 
 from .drawing import ELEVATION, FORWARD, MAIN, planar_template, store_template
 
-TEMPLATE = planar_template()
-
 
 @pytest.fixture
 def stored(engine: Engine, world: Any) -> tuple[str, str]:
@@ -30,49 +29,46 @@ def stored(engine: Engine, world: Any) -> tuple[str, str]:
 
 
 def extreme(channel: str, side: str) -> float:
-    return farthest(side, TEMPLATE.mean[:, TEMPLATE.channels.index(channel)])
+    return farthest(side, planar_template().mean[:, planar_template().channels.index(channel)])
 
 
 def limit(channel: str, value: float, side: str = "above") -> dict[str, Any]:
     return {"kind": "limit", "channel": channel, "limit": value, "side": side, "hold_s": 0.05}
 
 
-MEASURED = [
-    name
-    for column, name in enumerate(TEMPLATE.channels)
-    if "." not in name and np.isfinite(TEMPLATE.mean[:, column]).any()
-]
-
-
 @pytest.mark.parametrize("side", ["above", "below"])
-@pytest.mark.parametrize("channel", MEASURED)
-def test_every_limit_of_every_angle_is_held_against_the_recording(channel: str, side: str) -> None:
+def test_every_limit_of_every_angle_is_held_against_the_recording(side: str) -> None:
     sign = 1.0 if side == "above" else -1.0
-    for template, name in (
-        (TEMPLATE, channel),
-        (mirror_template(TEMPLATE), channel.replace("right", "left")),
-    ):
+    recorded = planar_template()
+    mirrored = mirror_template(recorded)
+    measured = [
+        name
+        for name, values in zip(recorded.channels, recorded.mean.T, strict=True)
+        if "." not in name and np.isfinite(values).any()
+    ]
+    assert len(measured) > 1
+    for template, name in [
+        *((recorded, one) for one in measured),
+        *((mirrored, one.replace("right", "left")) for one in measured),
+    ]:
         values = template.mean[:, template.channels.index(name)]
         tight = nearest_limit(name, side, farthest(side, values))
         for value, is_refused in ((tight, False), (tight - sign * 0.02, True), (tight + sign * 0.02, False)):
             stop = StopDesign.model_validate(limit(name, value, side))
-            assert bool(list(troubles_of([stop], Reached(template)))) is is_refused
+            assert bool(list(troubles_of([stop], Reached(template)))) is is_refused, name
         # What is proposed can be kept, and lies at least a margin beyond what was done.
         proposed = proposed_limit(name, side, values)
-        assert (
-            sign * (proposed - farthest(side, values))
-            >= (0.05 if name.endswith("_m") else math.radians(10)) - 1e-9
-        )
-        assert not list(
-            troubles_of([StopDesign.model_validate(limit(name, proposed, side))], Reached(template))
-        )
+        margin = 0.05 if name.endswith("_m") else math.radians(10)
+        assert sign * (proposed - farthest(side, values)) >= margin - 1e-9, name
+        kept = StopDesign.model_validate(limit(name, proposed, side))
+        assert not list(troubles_of([kept], Reached(template))), name
 
 
 def test_own_repetitions_count_beside_their_mean() -> None:
-    further = TEMPLATE.mean + np.radians(20.0)
+    further = planar_template().mean + np.radians(20.0)
     stop = StopDesign.model_validate(limit(MAIN, extreme(MAIN, "above") + np.radians(15.0)))
-    assert not list(troubles_of([stop], Reached(TEMPLATE)))
-    ((_, said),) = troubles_of([stop], Reached(TEMPLATE, [TEMPLATE.mean, further]))
+    assert not list(troubles_of([stop], Reached(planar_template())))
+    ((_, said),) = troubles_of([stop], Reached(planar_template(), [planar_template().mean, further]))
     assert said.code == "design.limit_above"
     value = said.parameters["value"].parameters["value_rad"]
     assert value == pytest.approx(extreme(MAIN, "above") + np.radians(20.0))
@@ -81,39 +77,44 @@ def test_own_repetitions_count_beside_their_mean() -> None:
 def test_a_patient_at_rest_breaks_a_limit_that_the_recording_keeps() -> None:
     value = extreme(MAIN, "above") + np.radians(10.0)
     stop = StopDesign.model_validate(limit(MAIN, value))
-    ((_, said),) = troubles_of([stop], Reached(TEMPLATE, rest={MAIN: value + 0.1}))
+    ((_, said),) = troubles_of([stop], Reached(planar_template(), rest={MAIN: value + 0.1}))
     assert said.code == "design.rest_above"
     below = StopDesign.model_validate(limit(FORWARD, extreme(FORWARD, "below") - 0.2, "below"))
-    ((_, said),) = troubles_of([below], Reached(TEMPLATE, rest={FORWARD: -1.0}))
+    ((_, said),) = troubles_of([below], Reached(planar_template(), rest={FORWARD: -1.0}))
     assert said.code == "design.rest_below"
 
 
 def test_a_band_that_its_own_repetitions_leave_is_too_narrow() -> None:
     # Repetitions on either side of the mean, each well within the recorded band and outside a tenth of it.
-    own = [TEMPLATE.mean + factor * TEMPLATE.tolerance for factor in (0.4, -0.4, 0.45, 0.02)]
-    column = TEMPLATE.channels.index(FORWARD)
+    own = [
+        planar_template().mean + factor * planar_template().tolerance for factor in (0.4, -0.4, 0.45, 0.02)
+    ]
+    column = planar_template().channels.index(FORWARD)
     for one in own:
         kept = one[:, column].copy()
-        one[:] = TEMPLATE.mean
+        one[:] = planar_template().mean
         one[:, column] = kept
     tenth = TemplateDesign(
         tolerances=[ToleranceDesign(channel=FORWARD, knots=[KnotDesign(phase=0.0, below=0.1, above=0.1)])]
     )
-    said = narrow_band(Reached(apply_design(TEMPLATE, tenth), own), TEMPLATE)
+    said = narrow_band(Reached(apply_design(planar_template(), tenth), own), planar_template())
     assert said is not None
     assert said.code == "design.band_narrow"
     assert (said.parameters["left"], said.parameters["of"]) == (3, 4)
     assert said.parameters["excess"].parameters["value_rad"] == pytest.approx(
-        0.35 * np.nanmax(TEMPLATE.tolerance[:, column]), rel=0.1
+        0.35 * np.nanmax(planar_template().tolerance[:, column]), rel=0.1
     )
     half = TemplateDesign(
         tolerances=[ToleranceDesign(channel=FORWARD, knots=[KnotDesign(phase=0.0, below=0.5, above=0.5)])]
     )
-    assert narrow_band(Reached(apply_design(TEMPLATE, half), own), TEMPLATE) is None
+    assert narrow_band(Reached(apply_design(planar_template(), half), own), planar_template()) is None
     # The same by a prescription's factor on the whole band, and not of what is only watched.
-    assert narrow_band(Reached(apply_design(TEMPLATE, TemplateDesign(), 0.1), own), TEMPLATE) is not None
+    assert (
+        narrow_band(Reached(apply_design(planar_template(), TemplateDesign(), 0.1), own), planar_template())
+        is not None
+    )
     watched = TemplateDesign(tolerances=tenth.tolerances, watched=[FORWARD])
-    assert narrow_band(Reached(apply_design(TEMPLATE, watched), own), TEMPLATE) is None
+    assert narrow_band(Reached(apply_design(planar_template(), watched), own), planar_template()) is None
 
 
 def draw(
@@ -124,16 +125,17 @@ def draw(
 
 
 @pytest.mark.parametrize(
-    ("rule", "code"),
+    ("made", "code"),
     [
-        (limit(MAIN, extreme(MAIN, "above") - 0.5), "design.limit_above"),
-        (limit(ELEVATION, extreme(ELEVATION, "below") + 0.5, "below"), "design.limit_below"),
-        ({"kind": "time", "limit": 0.3, "hold_s": 0.0}, "design.time_short"),
+        (lambda: limit(MAIN, extreme(MAIN, "above") - 0.5), "design.limit_above"),
+        (lambda: limit(ELEVATION, extreme(ELEVATION, "below") + 0.5, "below"), "design.limit_below"),
+        (lambda: {"kind": "time", "limit": 0.3, "hold_s": 0.0}, "design.time_short"),
     ],
 )
 def test_rest_of_the_editor_refuses_a_rule_that_its_template_breaks(
-    therapist: Any, stored: tuple[str, str], world: Any, rule: dict[str, Any], code: str
+    therapist: Any, stored: tuple[str, str], world: Any, made: Callable[[], dict[str, Any]], code: str
 ) -> None:
+    rule = made()
     answer = draw(therapist, stored, [rule])
     assert answer.status_code == 422, answer.text
     error = answer.json()
@@ -157,7 +159,9 @@ def test_rest_of_the_prescription_refuses_it_alike_when_made_and_when_changed(
     assert "design.limit_above" in prescribe(therapist, world, stored[0], stops=[bad]).text
     elsewhere = limit("thigh_shank_right_zxy_flexion", 3.0)
     assert "design.limit_channel" in prescribe(therapist, world, stored[0], stops=[elsewhere]).text
-    good = limit(MAIN, proposed_limit(MAIN, "above", TEMPLATE.mean[:, TEMPLATE.channels.index(MAIN)]))
+    good = limit(
+        MAIN, proposed_limit(MAIN, "above", planar_template().mean[:, planar_template().channels.index(MAIN)])
+    )
     made = prescribe(therapist, world, stored[0], stops=[good])
     assert made.status_code == 201, made.text
     assert made.json()["troubles"] == []
@@ -191,7 +195,9 @@ def test_a_template_is_held_against_the_rest_of_whom_it_is_prescribed_to(
     therapist: Any, stored: tuple[str, str], world: Any, engine: Engine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A limit that the recording keeps, and that this patient breaks before any movement."""
-    good = limit(MAIN, proposed_limit(MAIN, "above", TEMPLATE.mean[:, TEMPLATE.channels.index(MAIN)]))
+    good = limit(
+        MAIN, proposed_limit(MAIN, "above", planar_template().mean[:, planar_template().channels.index(MAIN)])
+    )
     with unit_of_work(engine) as session:
         session.get_one(TemplateVersion, stored[1]).design = {"stops": [copy.deepcopy(good)]}
     assert prescribe(therapist, world, stored[0]).json()["troubles"] == []

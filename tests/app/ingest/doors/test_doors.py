@@ -1,7 +1,9 @@
 """One file, one judgement: by `telemotion process`, the upload page, and `telemotion upload`."""
 
 from base64 import b64encode
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
@@ -74,6 +76,7 @@ def table(*parts: np.ndarray, time_s: np.ndarray = TIME_S, head: str = PLAIN) ->
     return text([head], rows_of(*parts, time_s=time_s)).encode()
 
 
+@cache
 def turning() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A sensor that rests for 4 s and then turns slowly about all axes: rad/s, m/s^2, and uT north of the equator."""
     at_s = np.arange(2500) / 100.0
@@ -88,14 +91,34 @@ def turning() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return rate + 0.003 * noise[0], np.array(force) + 0.02 * noise[1], np.array(field) + 0.3 * noise[2]
 
 
-TURNED, FELT, SEEN_UT = turning()
-UP = SEEN_UT + 88.0 * FELT / G
-"""The field as it is south of the equator: what lies along gravity points the other way."""
+def turned_case(
+    change: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, ...]], **said: Any
+) -> Case:
+    """A sensor that turns, as it is after a change of what it measured."""
+    return Case(table(*change(*turning()), time_s=LONG_S), **said)
+
+
+def southern(rate: np.ndarray, force: np.ndarray, field_ut: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The field as it is south of the equator: what lies along gravity points the other way."""
+    return rate, force, field_ut + 88.0 * force / G
+
+
+def gravity(rate: np.ndarray, force: np.ndarray, field_ut: np.ndarray) -> tuple[np.ndarray, ...]:
+    return rate, -force, field_ut
+
+
+def uncalibrated(rate: np.ndarray, force: np.ndarray, field_ut: np.ndarray) -> tuple[np.ndarray, ...]:
+    return rate, force * [1.03, 0.97, 1.03] + [0.05 * G, -0.04 * G, 0.08 * G], field_ut
+
+
+def exchanged(rate: np.ndarray, force: np.ndarray, field_ut: np.ndarray) -> tuple[np.ndarray, ...]:
+    return rate[:, [1, 0, 2]], force, field_ut
+
+
 LONG_S = np.arange(2500) / 100.0
 PAUSED_S = np.where(np.arange(len(TIME_S)) < 700, TIME_S, TIME_S + 1200.0)
 SIX = ",".join(PLAIN.split(",")[:7])
 FAST_S = np.arange(len(TIME_S)) / 1125.0
-COUNTED = text([",".join(["Packet number", *PLAIN.split(",")[1:]])], rows_of(*ALL, time_s=100.0 * TIME_S))
 FEW = (
     "one value a row",
     "two header lines",
@@ -108,11 +131,17 @@ FEW = (
 )
 
 
+def counted() -> bytes:
+    names = ",".join(["Packet number", *PLAIN.split(",")[1:]])
+    return text([names], rows_of(*ALL, time_s=100.0 * TIME_S)).encode()
+
+
 def phone() -> bytes:
     """A table a quantity, as an app for phones packs them."""
     packed = BytesIO()
+    rate, force, _ = turning()
     with ZipFile(packed, "w", ZIP_DEFLATED) as archive:
-        for name, values, late_s in (("Accelerometer", FELT, 0.0), ("Gyroscope", TURNED, 0.004)):
+        for name, values, late_s in (("Accelerometer", force, 0.0), ("Gyroscope", rate, 0.004)):
             head = "time," + ",".join(f"{name} {axis}" for axis in "xyz")
             archive.writestr(
                 f"{name}.csv", text([head], rows_of(values[:1200], time_s=LONG_S[:1200] + late_s))
@@ -120,24 +149,20 @@ def phone() -> bytes:
     return packed.getvalue()
 
 
-ACCEPTED = {
-    "a zip of a phone": Case(phone(), "walk.zip"),
+ACCEPTED: dict[str, Callable[[], Case]] = {
+    "a zip of a phone": lambda: Case(phone(), "walk.zip"),
     **{
-        name: Case(odd.content, odd.name)
+        name: partial(Case, odd.content, odd.name)
         for name, odd in (odd_tables() | field_tables()).items()
         if name in FEW
     },
-    "a counter with its rate": Case(COUNTED.encode(), rate_hz=100.0),
-    "southern, as the person says": Case(table(TURNED, FELT, UP, time_s=LONG_S), hemisphere="south"),
-    "southern, as the service is set": Case(table(TURNED, FELT, UP, time_s=LONG_S), place="south"),
-    "an accelerometer that gives gravity, as it is": Case(
-        table(TURNED, -FELT, SEEN_UT, time_s=LONG_S), force=True
-    ),
-    "an accelerometer as delivered": Case(
-        table(TURNED, FELT * [1.03, 0.97, 1.03] + [0.05 * G, -0.04 * G, 0.08 * G], SEEN_UT, time_s=LONG_S)
-    ),
-    "a pause of twenty minutes": Case(table(*ALL, time_s=PAUSED_S)),
-    "1125 Hz": Case(table(GYROSCOPE * 11.25, FORCE, time_s=FAST_S, head=SIX)),
+    "a counter with its rate": lambda: Case(counted(), rate_hz=100.0),
+    "southern, as the person says": lambda: turned_case(southern, hemisphere="south"),
+    "southern, as the service is set": lambda: turned_case(southern, place="south"),
+    "an accelerometer that gives gravity, as it is": lambda: turned_case(gravity, force=True),
+    "an accelerometer as delivered": lambda: turned_case(uncalibrated),
+    "a pause of twenty minutes": lambda: Case(table(*ALL, time_s=PAUSED_S)),
+    "1125 Hz": lambda: Case(table(GYROSCOPE * 11.25, FORCE, time_s=FAST_S, head=SIX)),
 }
 REFUSED_FOR = {
     **{name: code for name, (_, code) in refused_tables().items()},
@@ -159,19 +184,19 @@ WORKBOOK = (
     + bytes(99)
     + b"xl/workbook.xml"
 )
-CASES = {
+CASES: dict[str, Callable[[], Case]] = {
     **ACCEPTED,
-    **{name: Case(content) for name, (content, _) in refused_tables().items()},
-    "southern": Case(table(TURNED, FELT, UP, time_s=LONG_S)),
-    "an accelerometer that gives gravity": Case(table(TURNED, -FELT, SEEN_UT, time_s=LONG_S)),
-    "two axes exchanged": Case(table(TURNED[:, [1, 0, 2]], FELT, SEEN_UT, time_s=LONG_S)),
-    "a counter": Case(COUNTED.encode()),
-    "counts of a converter": Case(table(GYROSCOPE, 20_000.0 * FORCE, head=SIX)),
-    "a workbook": Case(WORKBOOK, "walk.xlsx"),
-    "a zip that was cut": Case(phone()[:9000], "walk.zip"),
-    "a workbook that is called a table": Case(WORKBOOK),
-    "a PDF": Case(b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n" + bytes(range(256)) * 9, "report.pdf"),
-    "nothing": Case(b""),
+    **{name: partial(Case, content) for name, (content, _) in refused_tables().items()},
+    "southern": lambda: turned_case(southern),
+    "an accelerometer that gives gravity": lambda: turned_case(gravity),
+    "two axes exchanged": lambda: turned_case(exchanged),
+    "a counter": lambda: Case(counted()),
+    "counts of a converter": lambda: Case(table(GYROSCOPE, 20_000.0 * FORCE, head=SIX)),
+    "a workbook": lambda: Case(WORKBOOK, "walk.xlsx"),
+    "a zip that was cut": lambda: Case(phone()[:9000], "walk.zip"),
+    "a workbook that is called a table": lambda: Case(WORKBOOK),
+    "a PDF": lambda: Case(b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n" + bytes(range(256)) * 9, "report.pdf"),
+    "nothing": lambda: Case(b""),
 }
 
 
@@ -289,7 +314,7 @@ def _lines(message: Any) -> list[Any]:
 
 @pytest.mark.parametrize("name", CASES)
 def test_all_doors_give_one_judgement(doors: Any, tmp_path: Path, capsys: Any, name: str) -> None:
-    case = CASES[name]
+    case = CASES[name]()
     path = tmp_path / case.name
     path.write_bytes(case.content)
     judged = doors.process(case, path)
@@ -311,7 +336,7 @@ def test_all_doors_give_one_judgement(doors: Any, tmp_path: Path, capsys: Any, n
 
 
 def test_an_upload_that_names_no_kind_is_what_its_sensors_are_worn_for(doors: Any, tmp_path: Path) -> None:
-    case = CASES["feet by the names of columns"]
+    case = CASES["feet by the names of columns"]()
     path = tmp_path / case.name
     path.write_bytes(case.content)
     declaration, notes = doors.page(case)
@@ -321,7 +346,7 @@ def test_an_upload_that_names_no_kind_is_what_its_sensors_are_worn_for(doors: An
 
 
 def test_a_zip_needs_no_mapping(doors: Any, tmp_path: Path) -> None:
-    case = CASES["a zip of a phone"]
+    case = CASES["a zip of a phone"]()
     path = tmp_path / case.name
     path.write_bytes(case.content)
     declaration, shown = doors.page(case)

@@ -234,7 +234,7 @@ def test_a_long_packet_off_the_grid_harms_nobody(manager: LiveManager, world: An
     asyncio.run(run())
 
 
-@pytest.mark.slow
+@pytest.mark.slow("two hundred streams, each with faults of its own")
 def test_two_hundred_streams(manager: LiveManager, world: Any, engine: Engine) -> None:
     asyncio.run(compared(manager, world, engine, range(1000, 1200)))
 

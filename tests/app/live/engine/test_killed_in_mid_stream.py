@@ -13,7 +13,7 @@ from tests.ports import free_port
 SESSIONS, TIMES = 3, 2
 
 
-@pytest.mark.slow
+@pytest.mark.slow("the service starts three times while sessions stream")
 def test_every_packet_is_stored_once_however_often_the_service_is_killed(tmp_path: Path) -> None:
     calibration, stream = swaying(crash.PERIOD_S)
     url, patient_id = make_patient(tmp_path, calibration)

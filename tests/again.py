@@ -1,0 +1,31 @@
+"""Which failed tests a second run may decide: those of `tests/again.txt`, each with its reason.
+
+A plugin of pytest for the run after `make test` that is made with `--last-failed`. Where any other test failed, the
+second run ends before its first test, as failed.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from tests.costs import function_of
+
+AGAIN_FILE = Path(__file__).with_name("again.txt")
+MOST_AGAIN = 5
+
+
+def listed(text: str) -> dict[str, str]:
+    """Return the reason of each listed test function; a line is a node id, a space, and the reason."""
+    lines = (line.partition(" ") for line in text.splitlines())
+    return {function: reason.strip() for function, _, reason in lines}
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """End the run where a test failed that is not listed."""
+    cache = session.config.cache
+    assert cache is not None
+    failed = {*cache.get("cache/lastfailed", {}), *(item.nodeid for item in session.items)}
+    may_run_again = listed(AGAIN_FILE.read_text())
+    final = sorted(name for name in failed if function_of(name) not in may_run_again)
+    if final:
+        pytest.exit("\n  ".join(["these tests failed, and tests/again.txt does not list them:", *final]), 1)
