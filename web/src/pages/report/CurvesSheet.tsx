@@ -1,5 +1,5 @@
 import type { ComparisonDetail } from '../../api/types';
-import { PaperPhases } from '../../charts/PaperChart';
+import { PhaseChart } from '../../charts/PhaseChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
@@ -38,7 +38,7 @@ export function CurvesSheet({
                 {withUnit(curve.label, curve.unit)}
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
-              <PaperPhases curve={curve} left={left} outside={stretches} phases={comparison.phases} />
+              <PhaseChart isOnPaper curve={curve} left={left} outside={stretches} phases={comparison.phases} />
               <p className="paper-note">
                 {outside === 0
                   ? t('compare.inside')

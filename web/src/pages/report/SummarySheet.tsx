@@ -1,5 +1,5 @@
 import type { MeasureValue, ProgressMeasure } from '../../api/types';
-import { PaperProgress } from '../../charts/PaperChart';
+import { PaperProgress } from '../../charts/ProgressCurve';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { isAboutSensors } from '../../lib/events';

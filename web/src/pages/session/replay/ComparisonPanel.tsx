@@ -171,11 +171,9 @@ function Curve({
   ComparisonPanelProps,
   'selected' | 'onPhase' | 'phaseNow'
 >) {
-  const outside = comparison.repetitions.map((one) => one.outside_band[curve.channel] ?? []);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
-  const stretches = outsideOf(comparison, curve.channel).filter(
-    (one) => selected === null || one.repetition === selected,
-  );
+  const outside = outsideOf(comparison, curve.channel);
+  const stretches = outside.filter((one) => selected === null || one.repetition === selected);
   return (
     <section className="curve">
       <h3>{curve.label}</h3>
