@@ -4,6 +4,7 @@ import { number, plainTick } from '../lib/format';
 import { ChartFrame, screenMargin } from './ChartFrame';
 import { lineOf } from './marks';
 import { extent } from './scales';
+import './AxesChart.css';
 
 const AXES = ['x', 'y', 'z'] as const;
 const strokeOf = (index: number) => `var(--tm-series-${index + 1})`;

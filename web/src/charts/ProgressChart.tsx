@@ -9,6 +9,7 @@ import { trendText } from '../lib/assessment/trend';
 import { estimatorTitle } from '../lib/sessions';
 import { screenMargin } from './ChartFrame';
 import { ProgressCurve } from './ProgressCurve';
+import './ProgressChart.css';
 
 /** What happened beside the sessions, day by day, once for all charts of a page. */
 export function EventStrip({ events }: { events: readonly ProgressEvent[] }) {

@@ -16,6 +16,7 @@ import { MapCard } from './views/MapCard';
 import { StrideTable, type ChosenStride } from './views/StrideTable';
 import { TestResult } from './views/TestResult';
 import { WalkNumbers } from './views/WalkNumbers';
+import './GaitPage.css';
 
 function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
   const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];

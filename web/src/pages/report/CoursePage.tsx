@@ -20,6 +20,7 @@ import { CourseWords } from './CourseWords';
 import { PhaseLegend } from './PhaseLegend';
 import { Papers } from './Papers';
 import { Sheet } from './Sheet';
+import './report.css';
 
 const EPOCH = new Date(0);
 

@@ -6,6 +6,7 @@ import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/as
 import { withUnit } from '../../lib/format';
 import { PhaseLegend } from './PhaseLegend';
 import { Sheet, type ReportProps } from './Sheet';
+import './CurvesSheet.css';
 
 const MOST_CURVES = 6;
 

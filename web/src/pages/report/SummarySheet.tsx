@@ -9,6 +9,7 @@ import { repetitionsText, reportRows } from '../../lib/assessment/report';
 import { trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
 import { Sheet, type ReportProps } from './Sheet';
 import { sessionTitle } from '../../lib/sessions';
+import './report.css';
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
   measure?.points.find((one) => one.session_id === sessionId) ?? null;

@@ -15,6 +15,7 @@ import { zeroOf } from '../../../lib/channels';
 import { quantity, uncertain } from '../../../lib/format';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
+import './ComparisonPanel.css';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;

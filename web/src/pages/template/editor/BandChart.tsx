@@ -9,6 +9,8 @@ import { ChartFrame, type Place } from '../../../charts/ChartFrame';
 import { bandOf, fitted, lineOf, type Values } from '../../../charts/marks';
 import { domainOf, factorFor, handlesOf, PAD, stepOf, type Handle } from './geometry';
 import { phaseName } from './words';
+import './BandChart.css';
+import './editor.css';
 
 const LARGE = 5;
 const OVER_RIM = 4;
