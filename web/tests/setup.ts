@@ -10,6 +10,13 @@ window.matchMedia ??= (() => ({
   removeEventListener: () => undefined,
 })) as unknown as typeof window.matchMedia;
 
+// Charts measure their place; jsdom lays nothing out.
+window.ResizeObserver ??= class {
+  observe() {}
+  unobserve() {}
+  disconnect() {}
+};
+
 // A text area that grows asks for it; jsdom has none.
 if (!('fonts' in document)) Object.defineProperty(document, 'fonts', { value: new EventTarget() });
 

@@ -1,14 +1,13 @@
 // Three axes of one sensor over time, small: enough to see at a glance whether the signals are what they are taken for.
-import { useMemo } from 'react';
-import type uPlot from 'uplot';
 import { LegendStroke } from './Legend';
 import { number, plainTick } from '../lib/format';
-import { axis, Plot, themeColour, type PlotOptions } from './Plot';
+import { ChartFrame, screenMargin } from './ChartFrame';
+import { lineOf } from './marks';
 import { extent } from './scales';
+import './AxesChart.css';
 
 const AXES = ['x', 'y', 'z'] as const;
-const colourOf = (index: number): `--tm-${string}` => `--tm-series-${index + 1}`;
-const HEIGHT = 132;
+const strokeOf = (index: number) => `var(--tm-series-${index + 1})`;
 
 export interface AxesChartProps {
   timeS: readonly number[];
@@ -23,41 +22,46 @@ export interface AxesChartProps {
 }
 
 export function AxesChart({ timeS, axes, factor, unit, name, label }: AxesChartProps) {
-  const data = useMemo(
-    () =>
-      [timeS, ...axes.map((one) => one.map((value) => (value === null ? null : value * factor)))] as uPlot.AlignedData,
-    [timeS, axes, factor],
-  );
-  const options = useMemo<PlotOptions>(
-    () => ({
-      cursor: { show: false },
-      legend: { show: false },
-      padding: [8, 14, 0, 0],
-      scales: { x: { time: false, range: (_, low, high) => [low, high] } },
-      axes: [
-        axis({ size: 24, space: 60, values: (_, ticks) => ticks.map((one: number) => `${plainTick(one, 1)} s`) }),
-        axis({ size: 52, space: 20, values: (_, ticks) => ticks.map((one: number) => plainTick(one, 2)) }),
-      ],
-      series: [
-        {},
-        ...AXES.map((_, index) => ({
-          stroke: () => themeColour(colourOf(index)),
-          width: 1.8,
-          points: { show: false },
-          spanGaps: false,
-        })),
-      ],
-    }),
-    [],
-  );
-  const range = extent(...axes) ?? [NaN, NaN];
+  const [low, high] = extent(...axes) ?? [NaN, NaN];
   const said = (value: number) => `${number(value * factor, Math.abs(value * factor) < 10 ? 1 : 0)} ${unit}`;
   return (
     <figure className="axes-chart">
       <figcaption>
         <span className="strong">{name}</span> <span className="muted">{unit}</span>
       </figcaption>
-      <Plot options={options} data={data} height={HEIGHT} label={label(said(range[0]), said(range[1]))} />
+      <ChartFrame
+        height={132}
+        margin={{ ...screenMargin(), top: 8, right: 14 }}
+        label={label(said(low), said(high))}
+        x={{
+          domain: extent(timeS) ?? [0, 1],
+          text: (value) => `${plainTick(value, 1)} s`,
+          every: 60,
+          hasLines: true,
+        }}
+        y={{
+          domain: Number.isFinite(low) ? [low * factor, high * factor] : [0, 1],
+          text: (value) => plainTick(value, 2),
+          every: 30,
+          isRound: true,
+        }}
+      >
+        {(at) =>
+          axes.map((values, index) => (
+            <path
+              key={AXES[index]}
+              fill="none"
+              stroke={strokeOf(index)}
+              strokeWidth="1.8"
+              d={lineOf(
+                values,
+                (point) => at.x(timeS[point] ?? NaN),
+                (value) => at.y(value * factor),
+              )}
+            />
+          ))
+        }
+      </ChartFrame>
     </figure>
   );
 }
@@ -67,7 +71,7 @@ export function AxesLegend() {
   return (
     <ul className="legend plain-list">
       {AXES.map((one, index) => (
-        <LegendStroke key={one} stroke={`var(${colourOf(index)})`} strokeWidth="3">
+        <LegendStroke key={one} stroke={strokeOf(index)} strokeWidth="3">
           {one}
         </LegendStroke>
       ))}

@@ -5,6 +5,7 @@ import type { Gait } from '../api/types';
 import { t } from '../i18n';
 import { number } from '../lib/format';
 import { floorPath, isOutsideHold, mapFrame } from '../kinds/walk/gait';
+import './FootprintMap.css';
 
 /** Outline of a left shoe in metres, seen from above: sensor at the heel, x to the toes, y to the left. */
 const SHOE =

@@ -1,20 +1,26 @@
 // Several named lines on common axes, distinguished by colour and stroke, with a legend in words.
 import { useMemo } from 'react';
-import type uPlot from 'uplot';
 import { LegendStroke } from './Legend';
 import { plainTick } from '../lib/format';
-import { axis, Plot, themeColour, type PlotOptions } from './Plot';
-import { aligned, type Line } from './scales';
+import { ChartFrame, type Axis } from './ChartFrame';
+import { lineOf } from './marks';
+import { extent } from './scales';
 
-const DASHES: (readonly number[] | undefined)[] = [undefined, [9, 5], [3, 4], [12, 4, 3, 4], [6, 3], [2, 3]];
+/** A named line; null makes a hole in it. */
+export interface Line {
+  name: string;
+  x: readonly (number | null)[];
+  y: readonly (number | null)[];
+}
+
+const DASHES = [undefined, '9 5', '3 4', '12 4 3 4', '6 3', '2 3'];
 const COLOURS = 6;
-// Without it uPlot writes numbers in the browser's language, which need not be the page's.
-const values: uPlot.Axis.DynamicValues = (_, ticks) =>
-  ticks.map((one: number | null) => (one === null ? '' : plainTick(one, 6)));
 
 /** With more lines than colours a colour comes again, but never with the same stroke. */
-const dashOf = (index: number) => DASHES[(index + Math.floor(index / COLOURS)) % DASHES.length];
-const colourOf = (index: number): `--tm-${string}` => `--tm-series-${(index % COLOURS) + 1}`;
+const strokeOf = (index: number) => ({
+  stroke: `var(--tm-series-${(index % COLOURS) + 1})`,
+  strokeDasharray: DASHES[(index + Math.floor(index / COLOURS)) % DASHES.length],
+});
 
 export interface LineChartProps {
   lines: readonly Line[];
@@ -27,41 +33,47 @@ export interface LineChartProps {
 }
 
 export function LineChart({ lines, xTitle, yTitle, label, logarithmic = false, height = 280 }: LineChartProps) {
-  const data = useMemo(() => aligned(lines) as uPlot.AlignedData, [lines]);
-  const names = lines.map((line) => line.name).join('\n');
-  const options = useMemo<PlotOptions>(() => {
-    const scale = logarithmic ? { distr: 3 as const, log: 10 as const } : {};
-    const title = { labelSize: 26, labelFont: "14px 'Atkinson Hyperlegible Next Variable', system-ui, sans-serif" };
-    return {
-      cursor: { show: false },
-      legend: { show: false },
-      padding: [10, 30, 0, 0],
-      scales: { x: { time: false, ...scale }, y: scale },
-      axes: [axis({ size: 32, label: xTitle, values, ...title }), axis({ size: 62, label: yTitle, values, ...title })],
-      series: [
-        {},
-        ...names.split('\n').map((_, index) => ({
-          stroke: () => themeColour(colourOf(index)),
-          width: 2,
-          dash: dashOf(index) ? [...(dashOf(index) as number[])] : undefined,
-          points: { show: false },
-          spanGaps: false,
-        })),
-      ],
-    };
-  }, [names, xTitle, yTitle, logarithmic]);
+  const [xs, ys] = useMemo(() => {
+    // A logarithmic axis has no place for zero.
+    const placed = (values: Line['x']) => values.map((one) => (logarithmic && !(one !== null && one > 0) ? null : one));
+    return [lines.map((line) => placed(line.x)), lines.map((line) => placed(line.y))] as const;
+  }, [lines, logarithmic]);
+  const axis = (values: readonly Line['x'][], title: string, more?: Partial<Axis>): Axis => ({
+    domain: extent(...values) ?? [1, 10],
+    text: (value) => plainTick(value, 6),
+    isLogarithmic: logarithmic,
+    title,
+    ...more,
+  });
   return (
     <div>
-      <Plot options={options} data={data} height={height} label={label} />
+      <ChartFrame
+        height={height}
+        margin={{ top: 10, right: 30, bottom: 58, left: 88 }}
+        label={label}
+        x={axis(xs, xTitle, { hasLines: true, every: 60, isRound: logarithmic })}
+        y={axis(ys, yTitle, { isRound: true, every: 40 })}
+      >
+        {(at) =>
+          lines.map((line, index) => (
+            <path
+              key={line.name}
+              {...strokeOf(index)}
+              fill="none"
+              strokeWidth="2"
+              d={lineOf(
+                (ys[index] ?? []).map((value, point) => (xs[index]?.[point] === null ? null : value)),
+                (point) => at.x(xs[index]?.[point] ?? NaN),
+                at.y,
+              )}
+            />
+          ))
+        }
+      </ChartFrame>
       {lines.length > 1 && (
         <ul className="legend plain-list">
           {lines.map((line, index) => (
-            <LegendStroke
-              key={line.name}
-              stroke={`var(${colourOf(index)})`}
-              strokeWidth="3"
-              strokeDasharray={dashOf(index)?.join(' ')}
-            >
+            <LegendStroke key={line.name} {...strokeOf(index)} strokeWidth="3">
               {line.name}
             </LegendStroke>
           ))}

@@ -1,22 +1,23 @@
 // One channel over the phases of a movement: the template with its band, every repetition, red where it leaves the band.
-import { useEffect, useMemo, useRef } from 'react';
-import type uPlot from 'uplot';
+import { useEffect, useMemo, useRef, type CSSProperties } from 'react';
 import { LegendRow, LegendStroke } from './Legend';
 import type { PhaseCurve, PhaseDesign } from '../api/types';
 import { t } from '../i18n';
-import { displayUnit, quantity, tick } from '../lib/format';
-import { aboutZero, bandEdges } from '../lib/assessment/comparison';
-import { axis, CHART_FONT, Plot, themeColour, type PlotOptions } from './Plot';
+import { displayUnit, plainTick, quantity, tick } from '../lib/format';
+import { aboutZero, bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
+import { ChartFrame, PERCENT, screenMargin, SHEET, type Place } from './ChartFrame';
+import { bandOf, fitted, lineOf, type Values } from './marks';
 import { extent } from './scales';
+import './PhaseChart.css';
 
 export interface PhaseChartProps {
   curve: PhaseCurve;
-  /** Positions in `curve.repetitions` that are drawn faint because they are left out. */
+  /** Positions in `curve.repetitions` that are left out: drawn faint, and not at all on a sheet. */
   left?: ReadonlySet<number>;
   /** The repetition drawn strongest; null draws all alike. */
   selected?: number | null;
-  /** Per repetition, half-open phase intervals outside the band. */
-  outside?: readonly (readonly (readonly [number, number])[])[];
+  /** Where repetitions leave the band. */
+  outside?: readonly OutsideStretch[];
   /** A factor on the band while it is being changed, 1 as stored. */
   bandScale?: number;
   onPhase?: (phase: number, repetition: number | null) => void;
@@ -25,207 +26,59 @@ export interface PhaseChartProps {
   phases?: readonly PhaseDesign[];
   /** Phase of the moment that is played, asked for every picture; null where there is none. */
   phaseNow?: () => number | null;
+  /** Of a sheet for paper. */
+  isOnPaper?: boolean;
 }
 
-const RAD_STEP = 15;
-
-interface Drawn {
-  outside: NonNullable<PhaseChartProps['outside']>;
-  left: ReadonlySet<number>;
-  selected: number | null;
-  offset: number;
-  onPhase: PhaseChartProps['onPhase'];
-  phases: readonly PhaseDesign[];
-}
-
-function strokeFor(drawn: { current: Drawn }, repetition: number): string {
-  const { left, selected } = drawn.current;
-  if (left.has(repetition)) return themeColour('--tm-line-strong');
-  return selected === null || selected === repetition ? themeColour('--tm-accent') : themeColour('--tm-accent-band');
-}
-
-/** Paint the parts outside the band over the curves, and as a strip along the lower edge. */
-function paintOutside(plot: uPlot, drawn: Drawn): void {
-  const { ctx, bbox } = plot;
-  const ratio = window.devicePixelRatio || 1;
-  const phases = plot.data[0];
-  ctx.save();
-  ctx.strokeStyle = themeColour('--tm-alert');
-  ctx.setLineDash([]);
-  ctx.lineJoin = 'round';
-  ctx.lineCap = 'round';
-  drawn.outside.forEach((intervals, repetition) => {
-    if (drawn.left.has(repetition)) return;
-    if (drawn.selected !== null && drawn.selected !== repetition) return;
-    const values = plot.data[drawn.offset + repetition];
-    if (!values) return;
-    for (const [from, until] of intervals) {
-      ctx.lineWidth = (drawn.selected === repetition ? 5 : 3.2) * ratio;
-      ctx.beginPath();
-      let isDown = false;
-      for (let phase = from; phase < Math.min(until, values.length); phase += 1) {
-        const value = values[phase];
-        if (value === null || value === undefined) {
-          isDown = false;
-          continue;
-        }
-        const x = plot.valToPos(phases[phase] ?? phase, 'x', true);
-        const y = plot.valToPos(value, 'y', true);
-        if (isDown) ctx.lineTo(x, y);
-        else ctx.moveTo(x, y);
-        isDown = true;
-      }
-      ctx.stroke();
-      const left = plot.valToPos(from, 'x', true);
-      const right = plot.valToPos(Math.max(until - 1, from + 0.5), 'x', true);
-      ctx.fillStyle = themeColour('--tm-alert');
-      ctx.globalAlpha = drawn.selected === repetition ? 0.9 : 0.35;
-      ctx.fillRect(left, bbox.top + bbox.height - 5 * ratio, right - left, 5 * ratio);
-      ctx.globalAlpha = 1;
-    }
-  });
-  ctx.restore();
-}
-
-/** Write the names of the phases above the upper edge, where no curve crosses them, with a dotted line where each begins. */
-function paintPhases(plot: uPlot, phases: readonly PhaseDesign[]): void {
-  const { ctx, bbox } = plot;
-  const ratio = window.devicePixelRatio || 1;
-  ctx.save();
-  ctx.strokeStyle = ctx.fillStyle = themeColour('--tm-muted');
-  ctx.font = CHART_FONT.replace(/^\d+/, String(13 * ratio));
-  ctx.textAlign = 'center';
-  ctx.lineWidth = ratio;
-  ctx.setLineDash([2 * ratio, 4 * ratio]);
-  for (const { name, start, end } of phases) {
-    const [from, until] = [plot.valToPos(100 * start, 'x', true), plot.valToPos(100 * end, 'x', true)];
-    if (start > 0) {
-      ctx.beginPath();
-      ctx.moveTo(from, bbox.top);
-      ctx.lineTo(from, bbox.top + bbox.height);
-      ctx.stroke();
-    }
-    ctx.fillText(name, (from + until) / 2, bbox.top - 7 * ratio, until - from - 6 * ratio);
+/** Stretches joined where they touch or overlap, in order. */
+export function joined(stretches: readonly { from: number; until: number }[]): { from: number; until: number }[] {
+  const found: { from: number; until: number }[] = [];
+  for (const { from, until } of [...stretches].sort((a, b) => a.from - b.from)) {
+    const last = found.at(-1);
+    if (last && from <= last.until) last.until = Math.max(last.until, until);
+    else found.push({ from, until });
   }
-  ctx.restore();
+  return found;
 }
 
-/** The repetition whose curve passes nearest to a point of the plot. */
-function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number | null {
+/** The names of the phases above the plot, where no curve crosses them, with a dotted line where each begins. */
+function Phases({ phases, at }: { phases: readonly PhaseDesign[]; at: Place }) {
+  return phases.map(({ name, start, end }) => (
+    <g key={start} className="chart-phase">
+      {start > 0 && <path d={`M${at.x(100 * start)} ${at.top}V${at.bottom}`} />}
+      <text x={at.x(50 * (start + end))} y={at.top - 3} textAnchor="middle">
+        {fitted(name, at.x(100 * end) - at.x(100 * start))}
+      </text>
+    </g>
+  ));
+}
+
+/** The repetition whose curve passes nearest to a height at a phase. */
+function nearest(repetitions: readonly Values[], phase: number, y: number, at: Place): number | null {
   const index = Math.max(0, Math.min(100, Math.round(phase)));
-  let best: number | null = null;
-  let bestDistance = Infinity;
-  for (let series = drawn.offset; series < plot.data.length - 1; series += 1) {
-    const value = plot.data[series]?.[index];
-    if (value === null || value === undefined) continue;
-    const distance = Math.abs(plot.valToPos(value, 'y') - top);
-    if (distance < bestDistance) {
-      bestDistance = distance;
-      best = series - drawn.offset;
-    }
-  }
-  return best;
+  const away = repetitions.map((values) => Math.abs(at.y(values[index] ?? NaN) - y));
+  const least = Math.min(...away.filter(Number.isFinite));
+  return Number.isFinite(least) ? away.indexOf(least) : null;
 }
 
-const PHASES = Array.from({ length: 101 }, (_, phase) => phase);
-const OFFSET = 3;
-const NO_PHASES: readonly PhaseDesign[] = [];
-
-export function PhaseChart({
-  curve: measured,
-  left = new Set(),
-  selected = null,
-  outside = [],
-  bandScale = 1,
-  onPhase,
-  height = 240,
-  phases = NO_PHASES,
-  phaseNow,
-}: PhaseChartProps) {
-  const curve = useMemo(() => aboutZero(measured), [measured]);
+/** All that is drawn of a curve, in the unit that is shown. */
+function shownOf(measured: PhaseCurve, bandScale: number) {
+  const curve = aboutZero(measured);
   const unit = displayUnit(curve.unit);
-  const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase, phases });
-  drawn.current = { outside, left, selected, offset: OFFSET, onPhase, phases };
-  const count = curve.repetitions.length;
-  const scaled = unit.factor;
-  const isClickable = onPhase !== undefined;
-  const hasPhases = phases.length > 0;
-  // The description follows what is drawn strongest, so a choice redraws the chart.
-  const sign = `${selected ?? 'all'}/${[...left].join(',')}`;
-  const options = useMemo<PlotOptions>(() => {
-    void sign;
-    return {
-      cursor: { show: isClickable, x: true, y: false, points: { show: false }, drag: { x: false, y: false } },
-      legend: { show: false },
-      padding: [hasPhases ? 28 : 10, 24, 0, 0],
-      scales: {
-        x: { time: false, range: [0, 100] },
-        y: {
-          range: (_, low, high) => {
-            const step = scaled > 50 ? RAD_STEP : Math.max((high - low) / 6, 1e-3);
-            return [Math.floor(low / step) * step, Math.ceil(high / step) * step];
-          },
-        },
-      },
-      axes: [
-        axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }),
-        axis({
-          size: unit.suffix.length > 2 ? 80 : 56,
-          space: 38,
-          values: (_, ticks) => ticks.map((at) => tick(at, unit)),
-        }),
-      ],
-      series: [
-        {},
-        { stroke: 'transparent', points: { show: false } },
-        { stroke: 'transparent', points: { show: false } },
-        ...Array.from({ length: count }, (_, repetition) => ({
-          stroke: () => strokeFor(drawn, repetition),
-          width: drawn.current.selected === repetition ? 4 : 2,
-          dash: drawn.current.left.has(repetition) ? [3, 5] : undefined,
-          points: { show: false },
-        })),
-        // Last, so that it lies over the repetitions.
-        { stroke: () => themeColour('--tm-ink'), width: 2.5, dash: [9, 6], points: { show: false } },
-      ],
-      bands: [{ series: [2, 1], fill: () => themeColour('--tm-neutral-band') }],
-      hooks: {
-        draw: [(plot: uPlot) => (paintPhases(plot, drawn.current.phases), paintOutside(plot, drawn.current))],
-        ready: isClickable
-          ? [
-              (plot: uPlot) => {
-                plot.over.style.cursor = 'pointer';
-                plot.over.addEventListener('click', (event) => {
-                  const phase = plot.posToVal(event.offsetX, 'x');
-                  drawn.current.onPhase?.(phase, nearest(plot, phase, event.offsetY, drawn.current));
-                });
-              },
-            ]
-          : [],
-      },
-    };
-  }, [count, hasPhases, isClickable, scaled, unit, sign]);
+  const scaled = (values: Values) =>
+    values.map((value) => (typeof value === 'number' && Number.isFinite(value) ? value * unit.factor : null));
+  const mean = scaled(curve.mean);
+  const edges = bandEdges(curve);
+  const edge = (values: Values) =>
+    scaled(values).map((value, phase) => {
+      const middle = mean[phase] ?? null;
+      return value === null || middle === null ? null : middle + (value - middle) * bandScale;
+    });
+  return { mean, low: edge(edges.low), high: edge(edges.high), repetitions: curve.repetitions.map(scaled) };
+}
 
-  const data = useMemo<uPlot.AlignedData>(() => {
-    const show = (values: readonly (number | null)[]) =>
-      values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));
-    const band = (edge: readonly (number | null)[]) =>
-      show(
-        edge.map(
-          (value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale,
-        ),
-      );
-    const edges = bandEdges(curve);
-    return [
-      PHASES,
-      band(edges.low),
-      band(edges.high),
-      ...curve.repetitions.map(show),
-      show(curve.mean),
-    ] as uPlot.AlignedData;
-  }, [curve, bandScale, scaled]);
-
-  const plot = useRef<uPlot | null>(null);
+/** The line that says which moment is played, moved without drawing anything else. */
+function usePlayhead(phaseNow: PhaseChartProps['phaseNow']) {
   const head = useRef<HTMLSpanElement>(null);
   useEffect(() => {
     if (!phaseNow) return;
@@ -233,37 +86,111 @@ export function PhaseChart({
     const step = () => {
       frame = requestAnimationFrame(step);
       const phase = phaseNow();
-      const element = head.current;
-      if (!element) return;
-      element.hidden = phase === null || plot.current === null;
-      if (phase !== null && plot.current)
-        element.style.left = `${plot.current.valToPos(phase, 'x') + plot.current.over.offsetLeft}px`;
+      if (!head.current) return;
+      head.current.hidden = phase === null;
+      if (phase !== null) head.current.style.setProperty('--phase', String(phase / 100));
     };
     step();
     return () => cancelAnimationFrame(frame);
   }, [phaseNow]);
+  return head;
+}
 
-  const range = extent(curve.mean);
-  const leaves = outside.filter((intervals, repetition) => intervals.length > 0 && !left.has(repetition)).length;
+const NO_STRETCHES: readonly OutsideStretch[] = [];
+const NONE_LEFT: ReadonlySet<number> = new Set();
+
+export function PhaseChart({
+  curve,
+  left = NONE_LEFT,
+  selected = null,
+  outside = NO_STRETCHES,
+  bandScale = 1,
+  onPhase,
+  height = 240,
+  phases = [],
+  phaseNow,
+  isOnPaper = false,
+}: PhaseChartProps) {
+  const unit = displayUnit(curve.unit);
+  const shown = useMemo(() => shownOf(curve, bandScale), [curve, bandScale]);
+  const { mean, low, high, repetitions } = shown;
+  const drawn = repetitions.flatMap((values, index) => (isOnPaper && left.has(index) ? [] : [{ values, index }]));
+  const range = extent(low, high, mean, ...drawn.map((one) => one.values)) ?? [0, 1];
+  const named = { ...screenMargin(unit.suffix), top: phases.length > 0 ? 28 : 10 };
+  const size = isOnPaper ? SHEET : { height, margin: named };
+  const head = usePlayhead(phaseNow);
+  const strokeOf = (index: number) =>
+    left.has(index) ? 'chart-left' : selected === null ? '' : selected === index ? 'chart-chosen' : 'chart-others';
+  const leaving = outside.filter((one) => selected === null || one.repetition === selected);
+  const frame = (
+    <ChartFrame
+      {...size}
+      label={labelOf(curve, shown, left, outside, isOnPaper)}
+      x={{ ...PERCENT, hasLines: !isOnPaper }}
+      y={{
+        domain: range,
+        isRound: true,
+        every: isOnPaper ? 42 : 38,
+        text: (at) => (isOnPaper ? plainTick(at, 3) + (unit.suffix === '°' ? '°' : '') : tick(at, unit)),
+      }}
+      onPoint={
+        onPhase &&
+        ((x, y, at) => {
+          const phase = at.x.invert(x);
+          onPhase(phase, nearest(repetitions, phase, y, at));
+        })
+      }
+    >
+      {(at) => (
+        <>
+          <path className="chart-band" d={bandOf(low, high, at.x, at.y)} />
+          <Phases phases={phases} at={at} />
+          {drawn.map(({ values, index }) => (
+            <path key={index} className={`chart-line ${strokeOf(index)}`} d={lineOf(values, at.x, at.y)} />
+          ))}
+          {leaving.map(({ repetition, from, until }) => (
+            <path
+              key={`${repetition}/${from}`}
+              className="chart-outside"
+              d={lineOf(repetitions[repetition]?.slice(from, until) ?? [], (index) => at.x(from + index), at.y)}
+            />
+          ))}
+          {joined(leaving).map(({ from, until }) => (
+            <path
+              key={from}
+              className="chart-outside-bar"
+              d={`M${at.x(from)} ${at.bottom + 1}v8m0 -4H${at.x(Math.min(until, 100))}m0 -4v8`}
+            />
+          ))}
+          <path className="chart-template" d={lineOf(mean, at.x, at.y)} />
+        </>
+      )}
+    </ChartFrame>
+  );
+  if (isOnPaper) return frame;
   return (
-    <div className="trace-plot">
-      <Plot
-        options={options}
-        data={data}
-        height={height}
-        onReady={(made) => void (plot.current = made)}
-        label={
-          t('phase.summary', {
-            label: curve.label,
-            low: quantity(range?.[0], curve.unit),
-            high: quantity(range?.[1], curve.unit),
-            count: count - left.size,
-          }) + (outside.length ? ` ${t('phase.summaryOutside', { count: leaves })}` : '')
-        }
-      />
-      {phaseNow && <span className="trace-cursor" data-testid="playhead" aria-hidden hidden ref={head} />}
+    <div className="phase-plot" style={{ '--left': `${named.left}px`, '--right': `${named.right}px` } as CSSProperties}>
+      {frame}
+      {phaseNow && <span className="phase-playhead" data-testid="playhead" aria-hidden hidden ref={head} />}
     </div>
   );
+}
+
+function labelOf(
+  curve: PhaseCurve,
+  { mean, repetitions }: ReturnType<typeof shownOf>,
+  left: ReadonlySet<number>,
+  outside: readonly OutsideStretch[],
+  isOnPaper: boolean,
+): string {
+  const { factor } = displayUnit(curve.unit);
+  const counted = repetitions.filter((_, index) => !left.has(index));
+  const range = isOnPaper ? extent(...counted) : extent(mean);
+  const [low, high] = [0, 1].map((end) => quantity(range ? (range[end] ?? NaN) / factor : null, curve.unit));
+  const words = { label: curve.label, low: low ?? '', high: high ?? '', count: counted.length };
+  if (isOnPaper) return t('report.phaseLabel', words);
+  const leaves = new Set(outside.map((one) => one.repetition)).size;
+  return t('phase.summary', words) + (outside.length ? ` ${t('phase.summaryOutside', { count: leaves })}` : '');
 }
 
 /** What the strokes mean, in words beside a sample of each. */
@@ -273,21 +200,17 @@ export function PhaseLegend({ withOutside, patient }: { withOutside: boolean; pa
       <LegendRow
         sign={
           <>
-            <rect width="34" height="14" rx="3" fill="var(--tm-neutral-band)" />
-            <path d="M0 7h34" stroke="var(--tm-ink)" strokeWidth="2.5" strokeDasharray="7 4" />
+            <rect className="chart-band" width="34" height="14" rx="3" />
+            <path className="chart-template" d="M0 7h34" />
           </>
         }
       >
         {t('phase.legendTemplate')}
       </LegendRow>
-      <LegendStroke stroke="var(--tm-accent)" strokeWidth="2.5">
+      <LegendStroke className="chart-line">
         {patient ? t('phase.legendPatient') : t('phase.legendRepetition')}
       </LegendStroke>
-      {withOutside && (
-        <LegendStroke stroke="var(--tm-alert)" strokeWidth="5">
-          {t('phase.legendOutside')}
-        </LegendStroke>
-      )}
+      {withOutside && <LegendStroke className="chart-outside">{t('phase.legendOutside')}</LegendStroke>}
     </ul>
   );
 }

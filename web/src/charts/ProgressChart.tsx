@@ -1,67 +1,15 @@
 // One measure over the days: value, its spread, what is said of its change, and the days on which something happened.
 import { useMemo, useState } from 'react';
 import { Link } from 'react-router';
-import type uPlot from 'uplot';
 import type { Estimator, ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { clockTime, date, dateTime, displayUnit, number, pair, quantity, tick } from '../lib/format';
+import { clockTime, date, dateTime, displayUnit, number, pair, quantity } from '../lib/format';
 import { byDate, daysOf, type Day } from '../lib/assessment/days';
 import { trendText } from '../lib/assessment/trend';
 import { estimatorTitle } from '../lib/sessions';
-import { axis, Plot, themeColour, type PlotOptions } from './Plot';
-
-const seconds = (at: string) => new Date(at).getTime() / 1000;
-
-/** The other side, and published values: across the whole picture, behind everything else. */
-function across(plot: uPlot, bands: ProgressMeasure['bands'], factor: number): void {
-  const { ctx, bbox } = plot;
-  ctx.save();
-  for (const band of bands) {
-    const top = plot.valToPos(band.high * factor, 'y', true);
-    const bottom = plot.valToPos(band.low * factor, 'y', true);
-    const height = Math.max(bottom - top, 2);
-    ctx.fillStyle = themeColour(band.kind === 'norm' ? '--tm-band-norm' : '--tm-band-other');
-    ctx.fillRect(bbox.left, top, bbox.width, height);
-    ctx.strokeStyle = themeColour('--tm-muted');
-    ctx.setLineDash(band.kind === 'norm' ? [2, 5] : [10, 5]);
-    ctx.beginPath();
-    for (const y of [top, top + height]) {
-      ctx.moveTo(bbox.left, y);
-      ctx.lineTo(bbox.left + bbox.width, y);
-    }
-    ctx.stroke();
-  }
-  ctx.restore();
-}
-
-/** So far from one another numbers above the picture can be read. */
-const PIN_PX = 16;
-
-/** A line for each day on which something happened, with its number in the strip above the charts. */
-function pins(plot: uPlot, days: readonly ProgressEvent[][]): void {
-  const { ctx, bbox } = plot;
-  const ratio = window.devicePixelRatio || 1;
-  ctx.save();
-  ctx.strokeStyle = themeColour('--tm-line-strong');
-  ctx.fillStyle = themeColour('--tm-muted');
-  ctx.font = `600 ${13 * ratio}px 'Atkinson Hyperlegible Next Variable', sans-serif`;
-  ctx.textAlign = 'center';
-  ctx.setLineDash([3 * ratio, 4 * ratio]);
-  ctx.lineWidth = 1.5 * ratio;
-  let named = -Infinity;
-  days.forEach((day, index) => {
-    const x = plot.valToPos(seconds(day[0]?.at ?? ''), 'x', true);
-    if (!(x >= bbox.left && x <= bbox.left + bbox.width)) return;
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top + 4 * ratio);
-    ctx.lineTo(x, bbox.top + bbox.height);
-    ctx.stroke();
-    if (x - named < PIN_PX * ratio) return;
-    named = x;
-    ctx.fillText(String(index + 1), x, bbox.top - 4 * ratio);
-  });
-  ctx.restore();
-}
+import { screenMargin } from './ChartFrame';
+import { ProgressCurve } from './ProgressCurve';
+import './ProgressChart.css';
 
 /** What happened beside the sessions, day by day, once for all charts of a page. */
 export function EventStrip({ events }: { events: readonly ProgressEvent[] }) {
@@ -125,11 +73,6 @@ export function madeBy(point: { orientation: string }, estimators: readonly Esti
   return t('progress.madeBy', { title: estimatorTitle({ orientation }, estimators), version });
 }
 
-/** Room of a date under the axis. */
-/** Before the first drawing only the whole is as wide as it will be. */
-const AXIS_PX = 84;
-const DATE_PX = 76;
-
 export function ProgressChart({
   measure,
   events,
@@ -141,98 +84,22 @@ export function ProgressChart({
   estimators: readonly Estimator[];
   height?: number;
 }) {
-  const unit = displayUnit(measure.unit);
   const { points, bands } = measure;
   const days = useMemo(() => daysOf(points), [points]);
-  const [chosen, setChosen] = useState<Day | null>(null);
-  const firstS = days[0]?.atS ?? 0;
-  const lastS = days.at(-1)?.atS ?? 1;
   const happened = useMemo(() => byDate(events), [events]);
+  const [chosen, setChosen] = useState<Day | null>(null);
   // What made all of them is said once, what differs in each line.
   const isAlike = points.every((one) => one.orientation === points[0]?.orientation);
-  const options = useMemo<PlotOptions>(
-    () => ({
-      cursor: { show: false },
-      legend: { show: false },
-      padding: [22, 18, 0, 0],
-      scales: {
-        x: { time: true, range: [firstS - 43_200, lastS + 43_200] },
-        y: {
-          range: (_, least, most) => {
-            const low = Math.min(least, ...bands.map((band) => band.low * unit.factor));
-            const high = Math.max(most, ...bands.map((band) => band.high * unit.factor));
-            // A spread of little meaning must not fill the picture.
-            const span = unit.suffix === '°' ? 10 : 0;
-            const pad = Math.max((high - low) * 0.18, (span - (high - low)) / 2, 1e-3);
-            return [low - pad, high + pad];
-          },
-        },
-      },
-      axes: [
-        axis({
-          size: 34,
-          space: 80,
-          grid: { show: false },
-          splits: (chart, __, low, high) => {
-            // Whole days only: two labels may not show the same date, nor touch.
-            const days = Math.max(1, Math.round((high - low) / 86_400));
-            const most = Math.min(6, Math.max(1, Math.floor((chart.width - AXIS_PX) / DATE_PX)));
-            const every = Math.max(1, Math.ceil(days / most));
-            const start = new Date(low * 1000);
-            const first =
-              new Date(start.getFullYear(), start.getMonth(), start.getDate() + 1).getTime() / 1000 + 43_200;
-            return Array.from(
-              { length: Math.ceil(days / every) },
-              (___, index) => first + index * every * 86_400,
-            ).filter((at) => at <= high);
-          },
-          values: (_, ticks) => ticks.map((tick) => date(new Date(tick * 1000))),
-        }),
-        axis({
-          size: unit.suffix.length > 2 ? 84 : 60,
-          space: 44,
-          values: (_, ticks) => ticks.map((at) => tick(at, unit)),
-        }),
-      ],
-      series: [
-        {},
-        { stroke: 'transparent', points: { show: false } },
-        { stroke: 'transparent', points: { show: false } },
-        {
-          stroke: () => themeColour('--tm-accent'),
-          width: 3,
-          points: {
-            show: true,
-            size: 10,
-            width: 3,
-            stroke: () => themeColour('--tm-accent'),
-            fill: () => themeColour('--tm-surface'),
-          },
-        },
-      ],
-      bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
-      hooks: { drawClear: [(plot) => across(plot, bands, unit.factor), (plot) => pins(plot, happened)] },
-    }),
-    [unit, happened, bands, firstS, lastS],
-  );
-  const data = useMemo<uPlot.AlignedData>(
-    () => [
-      days.map((day) => day.atS),
-      days.map((day) => day.low * unit.factor),
-      days.map((day) => day.high * unit.factor),
-      days.map((day) => day.value * unit.factor),
-    ],
-    [days, unit.factor],
-  );
   return (
     <figure className="figure">
-      <Plot
-        options={options}
-        data={data}
+      <ProgressCurve
+        points={days}
+        unit={measure.unit}
+        bands={bands}
+        happened={happened}
         height={height}
-        onReady={(plot) =>
-          plot?.over.addEventListener('click', (event) => setChosen(days[plot.posToIdx(event.offsetX)] ?? null))
-        }
+        margin={{ ...screenMargin(displayUnit(measure.unit).suffix), top: 22 }}
+        onPoint={(index) => setChosen(days[index] ?? null)}
         label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${trendText(measure)}`}
       />
       <BandLegend bands={bands} unit={measure.unit} />

@@ -12,6 +12,7 @@ import type { Player } from '../player/types';
 import { hatch } from './hatch';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 import { extent, runs, steadyRange } from './scales';
+import './Traces.css';
 
 const INVALID = 1;
 const SINGULAR = 128;

@@ -42,31 +42,3 @@ export function extent(...arrays: readonly ArrayLike<number | null>[]): [number,
   }
   return low <= high ? [low, high] : null;
 }
-
-/** Round numbers that span a range, about `count` of them. */
-export function niceTicks(low: number, high: number, count: number): number[] {
-  const span = high - low;
-  if (!(span > 0)) return [low];
-  const rough = span / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = ([1, 2, 2.5, 5, 10].find((one) => one * power >= rough) ?? 10) * power;
-  const first = Math.floor(low / step + 1e-9);
-  const last = Math.ceil(high / step - 1e-9);
-  return Array.from({ length: last - first + 1 }, (_, index) => Number(((first + index) * step).toPrecision(12)));
-}
-
-/** A named line; null makes a hole in it. */
-export interface Line {
-  name: string;
-  x: readonly (number | null)[];
-  y: readonly (number | null)[];
-}
-
-/** Lines over one rising axis, as a chart needs them; where a line has no point of its own it has undefined, which is drawn through. */
-export function aligned(lines: readonly Line[]): (number | null | undefined)[][] {
-  const tables = lines.map(
-    (line) => new Map(line.x.flatMap((x, index) => (x === null ? [] : [[x, line.y[index] ?? null] as const]))),
-  );
-  const axis = [...new Set(tables.flatMap((table) => [...table.keys()]))].sort((a, b) => a - b);
-  return [axis, ...tables.map((table) => axis.map((x) => table.get(x)))];
-}

@@ -5,6 +5,7 @@ import { useState } from 'react';
 import type { CameraCommand } from '../api/types';
 import { t } from '../i18n';
 import type { ViewLink } from '../player/view';
+import './CameraBar.css';
 
 /** The part of the body that the camera comes near to. */
 export type Near = 'arm' | 'leg' | 'feet' | 'marker' | 'modules';

@@ -2,6 +2,7 @@ import { Button } from '@mantine/core';
 import { IconCheck, IconCopy } from '@tabler/icons-react';
 import { useState } from 'react';
 import { t } from '../i18n';
+import './CopyBox.css';
 
 /** Text that goes into another program: shown whole, copied with one button. */
 export function CopyBox({ label, text }: { label: string; text: string }) {

@@ -2,6 +2,7 @@
 import type { Placement, SensorFinding } from '../api/types';
 import { t } from '../i18n';
 import { placementList } from '../lib/channels';
+import './Figures.css';
 
 const BODY = {
   head: 'M100 12c13 0 22 10 22 24s-9 27-22 27-22-13-22-27 9-24 22-24z',

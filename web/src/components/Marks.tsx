@@ -13,6 +13,7 @@ import {
 } from '@tabler/icons-react';
 import type { CaseloadRow, SessionState, Side } from '../api/types';
 import { t } from '../i18n';
+import './Marks.css';
 
 /** The affected side: the filled half of the circle is the patient's own left or right, seen from behind. */
 export function SideMark({ side }: { side: Side | null }) {

@@ -2,6 +2,7 @@
 import { useEffect, type ReactNode } from 'react';
 import { Link } from 'react-router';
 import { t } from '../i18n';
+import './Page.css';
 
 export interface Crumb {
   to: string;

@@ -25,6 +25,7 @@ import { SecondFactorRemoved } from './account/SecondFactorRemoved';
 import { SecondFactorSet } from './account/SecondFactorSet';
 import type { TopMenuProps } from './account/TopMenu';
 import { useSignOut } from './account/useSignOut';
+import './Shell.css';
 
 const ConfirmDialog = lazy(() => import('./forms/ConfirmDialog'));
 const SignInAgain = lazy(() => import('./account/SignInAgain'));

@@ -14,6 +14,7 @@ import { plainTick, position } from '../lib/format';
 import { repetitionAt } from '../lib/assessment/warp';
 import { useClockText, useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
+import './Timeline.css';
 
 export interface TimelineProps {
   player: Player;

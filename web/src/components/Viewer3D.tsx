@@ -14,6 +14,7 @@ import type { Player } from '../player/types';
 import { NO_VIEW, ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
 import type { Near, Preset } from './CameraBar';
+import './Viewer3D.css';
 
 // A patient who exercises does not turn the picture: her page loads no buttons for it.
 const CameraBar = lazy(() => import('./CameraBar'));

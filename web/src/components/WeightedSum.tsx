@@ -3,6 +3,7 @@ import { useId } from 'react';
 import type { WeightedSum as Sum } from '../api/types';
 import { t } from '../i18n';
 import { digitsFor, number, pair, plainTick, weighedQuantity } from '../lib/format';
+import './WeightedSum.css';
 
 const DIGITS = 2;
 /** Weights are shown as they were typed. */

@@ -9,6 +9,7 @@ import { t } from '../i18n';
 import { dateTime } from '../lib/format';
 import { ReasonMark } from './Marks';
 import { Problem } from './Feedback';
+import './Worries.css';
 
 /** One worry; `children` stand below its words. */
 export function WorryText({ worry, children }: { worry: Worry; children?: ReactNode }) {

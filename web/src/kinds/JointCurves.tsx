@@ -6,6 +6,7 @@ import { t } from '../i18n';
 import { preferredAngles } from '../lib/channels';
 import { useSnapshot } from '../player/hooks';
 import type { LiveProps } from './kind';
+import './JointCurves.css';
 
 export interface JointCurvesProps extends LiveProps {
   id: string;

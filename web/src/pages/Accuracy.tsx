@@ -10,6 +10,7 @@ import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { figure, isJudged, unitSign } from '../lib/assessment/figures';
 import { date, number } from '../lib/format';
+import './Accuracy.css';
 
 const SHOWN_FIRST = 12;
 

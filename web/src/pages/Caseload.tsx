@@ -15,6 +15,7 @@ import { day, number, quantity } from '../lib/format';
 import { actionPath, matches, type CaseloadFilter } from '../lib/assessment/caseload';
 import { fullName } from '../lib/people';
 import { ArchivedPatients } from './patient/ArchivedPatients';
+import './Caseload.css';
 
 function Practised({ percent }: { percent: number | null }) {
   if (percent === null) return <span className="muted">–</span>;

@@ -16,6 +16,7 @@ import { t } from '../i18n';
 import { fullName } from '../lib/people';
 import { ClinicCard } from './ClinicCard';
 import { SourcesCard } from '../kinds/magnetic/SourcesCard';
+import './Clinic.css';
 
 const ROLES: readonly Role[] = ['therapist', 'patient', 'administrator', 'integrator'];
 const LEAST_PASSWORD = 10;

@@ -15,6 +15,7 @@ import { channelLabel } from '../lib/channels';
 import { limbOf } from '../lib/placements';
 import { TemplateLibrary } from './template/TemplateLibrary';
 import { isWalk, primaryAngles, usualAngle, usualPosture } from '../lib/exercises';
+import './Exercises.css';
 
 const MOVEMENTS = [
   'reaching',

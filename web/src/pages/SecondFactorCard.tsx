@@ -6,6 +6,7 @@ import { QueryBoundary, Notice, Problem } from '../components/Feedback';
 import { QrCode } from '../components/account/QrCode';
 import { t } from '../i18n';
 import { date } from '../lib/format';
+import './SecondFactorCard.css';
 
 /** Two-step sign-in: set up with an authenticator app, recovery codes shown once, turned off with the password. */
 export function SecondFactorCard() {

@@ -7,6 +7,7 @@ import { Wordmark } from '../components/Shell';
 import { LanguageChoice } from '../components/account/LanguageChoice';
 import { isCodeAsked, useSignInFields } from '../components/account/SignInFields';
 import { t } from '../i18n';
+import './SignIn.css';
 
 /** Only a path of this client may follow the sign-in. */
 function safeNext(next: string | null): string {

@@ -1,6 +1,8 @@
 // Where the magnetic field was seen: the ball of all directions as two discs, its upper and its lower half.
 import { t } from '../i18n';
 import { number } from '../lib/format';
+import './pictures.css';
+import './CoverageSphere.css';
 
 const RADIUS = 92;
 

@@ -1,6 +1,8 @@
 // A drawn person for instructions: seen from the front or from the side, standing or seated, arms as asked for.
 import type { ReactNode } from 'react';
 import type { Limb } from '../lib/placements';
+import './Mannequin.css';
+import './pictures.css';
 
 type Point = readonly [number, number];
 

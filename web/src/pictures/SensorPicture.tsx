@@ -1,3 +1,5 @@
+import './pictures.css';
+import './SensorPicture.css';
 // A sensor in the hand or on the table, with the axis that points up or down and how it is turned.
 type Axis = 'x' | 'y' | 'z';
 

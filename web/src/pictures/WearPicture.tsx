@@ -2,6 +2,7 @@
 import type { Placement } from '../api/types';
 import { wornLimbs } from '../lib/placements';
 import { FrontFigure } from './Mannequin';
+import './WearPicture.css';
 
 /** Places on the drawing, the person's own left on the right-hand side; where the box is, and how it is turned. */
 const PLACES: Partial<Record<Placement, readonly [x: number, y: number]>> = {

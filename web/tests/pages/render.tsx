@@ -61,14 +61,6 @@ export function renderPage(element: ReactElement, options: { at?: string; path?:
     addListener: () => undefined,
     removeListener: () => undefined,
   }));
-  vi.stubGlobal(
-    'ResizeObserver',
-    class {
-      observe() {}
-      unobserve() {}
-      disconnect() {}
-    },
-  );
   const router = createMemoryRouter(
     [
       {

@@ -3,6 +3,7 @@ import { t, tOr } from '../../i18n';
 import { groupAudit, type AuditDeed } from '../../lib/audit';
 import { clockTime, date } from '../../lib/format';
 import { useSignedIn } from './useSignedIn';
+import './AuditList.css';
 
 /** The deeds in words; what has the same words is one deed, for instance reading a comparison and the list of them. */
 function deedTexts(deeds: readonly AuditDeed[], isOwn: boolean): string[] {

@@ -7,6 +7,7 @@ import { api, ApiError } from '../../api/client';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
 import { Notice, Problem } from '../Feedback';
+import './ExportButton.css';
 
 type State = { kind: 'idle' | 'making' | 'ready'; size: number } | { kind: 'failed'; error: unknown };
 

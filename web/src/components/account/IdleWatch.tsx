@@ -5,6 +5,7 @@ import { api } from '../../api/client';
 import { wantSignOut } from '../../api/signOut';
 import { t } from '../../i18n';
 import { idleSeconds, listenForUse } from '../../lib/browser/idle';
+import './IdleWatch.css';
 
 const LOOK_EVERY_MS = 5000;
 const WARN_S = 120;

@@ -1,6 +1,7 @@
 import { Select, UnstyledButton } from '@mantine/core';
 import { t } from '../../i18n';
 import { signedColumn } from '../../lib/csv';
+import './AxisColumn.css';
 
 interface Props {
   axis: 'x' | 'y' | 'z';

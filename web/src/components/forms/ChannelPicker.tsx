@@ -2,6 +2,7 @@ import { Button, Checkbox, Popover } from '@mantine/core';
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
+import './ChannelPicker.css';
 
 const MOST = 8;
 

@@ -3,6 +3,7 @@ import { useId, type CSSProperties, type ReactNode } from 'react';
 import type { Side } from '../../api/types';
 import { t } from '../../i18n';
 import { SideMark } from '../Marks';
+import './Choice.css';
 
 export interface Option<V extends string> {
   value: V;

@@ -5,6 +5,7 @@ import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { mappingProblems, placed, type Quantity, type Unit } from '../../lib/csv';
 import { AxisColumn } from './AxisColumn';
+import './CsvMappingForm.css';
 
 const UNITS: Record<Quantity, Unit[]> = {
   gyroscope: ['rad/s', 'deg/s', 'mdps'],

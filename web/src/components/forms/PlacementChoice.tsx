@@ -5,6 +5,7 @@ import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { armPlacements, LEG_PLACEMENTS } from '../../lib/placements';
 import { WornFigure } from '../Figures';
+import './PlacementChoice.css';
 
 const GROUPS: {
   legend: 'placements.trunk' | 'placements.leftArm' | 'placements.rightArm' | 'placements.legs';

@@ -8,6 +8,7 @@ import { number, quantity, uncertain } from '../../lib/format';
 import { SIGMAS, isStarting, milliampereHours, needsHand, pulsesIn, stateKeys, type Pulse } from './magnetic';
 import type { Player } from '../../player/types';
 import { PulseTimeline } from './PulseTimeline';
+import './LiveSource.css';
 
 const WINDOW_S = 20;
 const REFRESH_MS = 250;

@@ -3,6 +3,7 @@ import { t } from '../../i18n';
 import { number, position } from '../../lib/format';
 import type { Pulse } from './magnetic';
 import { COIL_COLOURS } from './coils';
+import './PulseTimeline.css';
 
 const WIDTH = 1000;
 /** A pulse of 30 ms must be seen in a picture of half an hour; thousandths of the width. */

@@ -11,6 +11,7 @@ import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { measureLabel, measureText, partsOf } from './gait';
+import './ConditionsPage.css';
 
 type Condition = 'a' | 'b' | '';
 const CLEAR = 0.05;

@@ -9,13 +9,14 @@ import { CycleChart, CycleLegend } from '../../charts/CycleChart';
 import { QueryBoundary, Empty, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
-import { dateTime, number } from '../../lib/format';
+import { dateTime, number, withUnit } from '../../lib/format';
 import { fullName, patientCrumbs } from '../../lib/people';
 import { footOf } from './gait';
 import { MapCard } from './views/MapCard';
 import { StrideTable, type ChosenStride } from './views/StrideTable';
 import { TestResult } from './views/TestResult';
 import { WalkNumbers } from './views/WalkNumbers';
+import './GaitPage.css';
 
 function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
   const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
@@ -32,14 +33,18 @@ function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
         <>
           <div className="cycle-grid">
             {names.map((name) => (
-              <CycleChart
-                key={name}
-                name={t(`cycle.${name}`)}
-                left={of(gait, 'left', name)}
-                right={of(gait, 'right', name)}
-                beforeLeft={of(before, 'left', name)}
-                beforeRight={of(before, 'right', name)}
-              />
+              <figure key={name} className="cycle">
+                <figcaption className="strong">
+                  {withUnit(t(`cycle.${name}`), (of(gait, 'left', name) ?? of(gait, 'right', name))?.unit)}
+                </figcaption>
+                <CycleChart
+                  name={t(`cycle.${name}`)}
+                  left={of(gait, 'left', name)}
+                  right={of(gait, 'right', name)}
+                  beforeLeft={of(before, 'left', name)}
+                  beforeRight={of(before, 'right', name)}
+                />
+              </figure>
             ))}
           </div>
           <CycleLegend hasBefore={before !== null} />

@@ -9,6 +9,8 @@ import { t } from '../../i18n';
 import { wornLimbs } from '../../lib/placements';
 import { placementLabel } from '../../lib/channels';
 import { StepPicture } from '../../pictures/StepPicture';
+import './CalibrationChoice.css';
+import './calibration.css';
 
 const USUAL: CalibrationKind = 'n_pose';
 

@@ -9,6 +9,8 @@ import { reasonsOf } from '../../lib/calibration';
 import { placementLabel } from '../../lib/channels';
 import { number, spreadAlone } from '../../lib/format';
 import { scoreText } from '../session/live/Calibration';
+import './calibration.css';
+import './CalibrationResult.css';
 
 function axisName(name: string): string {
   const side = /_(left|right)$/.exec(name)?.[1];

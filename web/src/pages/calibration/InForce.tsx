@@ -6,6 +6,7 @@ import { t, tOr } from '../../i18n';
 import { reasonsOf, wornLimbs } from '../../lib/calibration';
 import { scoreText } from '../session/live/Calibration';
 import { useCalibrating } from './useCalibrating';
+import './InForce.css';
 
 export function InForce({
   sessionId,

@@ -8,6 +8,8 @@ import { number } from '../../lib/format';
 import { wornLimbs } from '../../lib/placements';
 import { CoverageSphere } from '../../pictures/CoverageSphere';
 import { StepPicture } from '../../pictures/StepPicture';
+import './calibration.css';
+import './RunningCalibration.css';
 
 function Steps({ guide }: { guide: CalibrationMessage }) {
   return (

@@ -37,6 +37,7 @@ import { hasHurt } from './exercise/hurt';
 import { useHold } from './exercise/useHold';
 import { isRecording, momentOf, type Moment } from './moment';
 import { PlainProblem } from './PlainProblem';
+import './Live.css';
 
 const ConnectSensors = lazy(() => import('../../sensors/ConnectSensors'));
 /** Loaded while she moves, so that it is there when the link has ended. */

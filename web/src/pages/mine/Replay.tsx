@@ -16,6 +16,7 @@ import { isLive } from '../../lib/sessions';
 import { useClockText, useReplayPlayer, useSnapshot } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import { PlainProblem } from './PlainProblem';
+import './Replay.css';
 
 const GHOST = { ghost: true, warp: true };
 

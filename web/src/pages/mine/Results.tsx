@@ -14,6 +14,7 @@ import { mainMeasure, plainValue, repetitionsOf, shortName } from '../../lib/pla
 import { HowItGoes } from './HowItGoes';
 import { NoRecord } from './Today';
 import { sessionTitle } from '../../lib/sessions';
+import './Results.css';
 
 /** How her own value went, a point a day; one day is no curve. */
 function Curve({ main }: { main: ProgressMeasure }) {

@@ -24,6 +24,7 @@ import {
 } from '../../lib/assessment/practice';
 import { isLive, sessionTitle } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
+import './Today.css';
 
 const Unsent = lazy(() => import('../../sensors/Unsent'));
 

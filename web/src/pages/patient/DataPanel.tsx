@@ -14,6 +14,7 @@ import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import { fullName } from '../../lib/people';
+import './DataPanel.css';
 
 function Erase({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const navigate = useNavigate();

@@ -22,6 +22,7 @@ import { PrescriptionPanel } from './PrescriptionPanel';
 import { ProgressPanel } from './ProgressPanel';
 import { SessionPanel } from './SessionPanel';
 import { WorryPanel } from './WorryPanel';
+import './PatientPage.css';
 
 function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
   const body = patient.body_dimensions ?? {};

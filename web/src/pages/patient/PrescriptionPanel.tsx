@@ -12,6 +12,7 @@ import { isWalk, exerciseOf } from '../../lib/exercises';
 import { date, number } from '../../lib/format';
 import { scheduleText, weekText } from '../../lib/assessment/practice';
 import { PrescribeForm } from './prescribe/PrescribeForm';
+import './PrescriptionPanel.css';
 
 /** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
 export function doseText(

@@ -9,6 +9,7 @@ import { QueryBoundary, Empty } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isSure, judgedBy, trendNotes, trendText } from '../../lib/assessment/trend';
 import { quantity } from '../../lib/format';
+import './ProgressPanel.css';
 
 const SHOWN_FIRST = 3;
 

@@ -8,6 +8,7 @@ import { ReasonMark, StateMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { day, duration } from '../../lib/format';
 import { isLive, lossText, sessionPath, sessionTitle } from '../../lib/sessions';
+import './SessionPanel.css';
 
 const SHOWN_FIRST = 8;
 

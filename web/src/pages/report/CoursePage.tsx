@@ -4,7 +4,8 @@ import { IconPrinter } from '@tabler/icons-react';
 import { useParams, useSearchParams } from 'react-router';
 import { useComparison, useCourse, usePatient, useProgress } from '../../api/queries';
 import type { ComparisonDetail, Course, Patient, Progress, ProgressMeasure } from '../../api/types';
-import { PaperPhases, PaperProgress } from '../../charts/PaperChart';
+import { PhaseChart } from '../../charts/PhaseChart';
+import { PaperProgress } from '../../charts/ProgressCurve';
 import { QueryBoundary, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { WeightedSum } from '../../components/WeightedSum';
@@ -19,6 +20,7 @@ import { CourseWords } from './CourseWords';
 import { PhaseLegend } from './PhaseLegend';
 import { Papers } from './Papers';
 import { Sheet } from './Sheet';
+import './report.css';
 
 const EPOCH = new Date(0);
 
@@ -172,7 +174,7 @@ function Ends({ comparison, title, curves: most }: { comparison: ComparisonDetai
       {curves.map((curve) => (
         <figure key={curve.channel} className="paper-figure">
           <figcaption>{withUnit(curve.label, curve.unit)}</figcaption>
-          <PaperPhases curve={curve} left={left} outside={outsideOf(comparison, curve.channel)} />
+          <PhaseChart isOnPaper curve={curve} left={left} outside={outsideOf(comparison, curve.channel)} />
         </figure>
       ))}
       <ul className="paper-findings paper-small">

@@ -7,6 +7,7 @@ import { Problem } from '../../components/Feedback';
 import { useUnsaved } from '../../components/forms/useUnsaved';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
+import './CourseWords.css';
 
 const MOST = 4000;
 

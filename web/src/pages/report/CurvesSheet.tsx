@@ -1,11 +1,12 @@
 import type { ComparisonDetail } from '../../api/types';
-import { PaperPhases } from '../../charts/PaperChart';
+import { PhaseChart } from '../../charts/PhaseChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import { withUnit } from '../../lib/format';
 import { PhaseLegend } from './PhaseLegend';
 import { Sheet, type ReportProps } from './Sheet';
+import './CurvesSheet.css';
 
 const MOST_CURVES = 6;
 
@@ -38,7 +39,7 @@ export function CurvesSheet({
                 {withUnit(curve.label, curve.unit)}
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
-              <PaperPhases curve={curve} left={left} outside={stretches} phases={comparison.phases} />
+              <PhaseChart isOnPaper curve={curve} left={left} outside={stretches} phases={comparison.phases} />
               <p className="paper-note">
                 {outside === 0
                   ? t('compare.inside')

@@ -2,6 +2,8 @@
 import { useEffect, useRef, type ReactNode } from 'react';
 import { withPrintStyles } from '../../lib/paper/printStyles';
 import { layOut } from '../../lib/paper/sheets';
+import './Papers.css';
+import './report.css';
 
 /** After the last change: curves are drawn piece by piece. */
 const QUIET_MS = 250;

@@ -8,19 +8,19 @@ export function PhaseLegend({ lines }: { lines: string }) {
       <LegendRow
         sign={
           <>
-            <rect className="paper-band" width="34" height="14" />
-            <path className="paper-template" d="M0 7h34" />
+            <rect className="chart-band" width="34" height="14" />
+            <path className="chart-template" d="M0 7h34" />
           </>
         }
       >
         {t('phase.legendTemplate')}
       </LegendRow>
-      <LegendStroke className="paper-line paper-line-strong">{lines}</LegendStroke>
+      <LegendStroke className="chart-line chart-line-strong">{lines}</LegendStroke>
       <LegendRow
         sign={
           <>
-            <path className="paper-outside" d="M0 4h34" />
-            <path className="paper-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
+            <path className="chart-outside" d="M0 4h34" />
+            <path className="chart-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
           </>
         }
       >

@@ -3,6 +3,7 @@ import type { ComparisonDetail, Patient, Progress, SessionDetail } from '../../a
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
+import './report.css';
 
 /** What every sheet of a report is made from. */
 export interface ReportProps {

@@ -1,5 +1,5 @@
 import type { MeasureValue, ProgressMeasure } from '../../api/types';
-import { PaperProgress } from '../../charts/PaperChart';
+import { PaperProgress } from '../../charts/ProgressCurve';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { isAboutSensors } from '../../lib/events';
@@ -9,6 +9,7 @@ import { repetitionsText, reportRows } from '../../lib/assessment/report';
 import { trendNotes, trendShort, trendText } from '../../lib/assessment/trend';
 import { Sheet, type ReportProps } from './Sheet';
 import { sessionTitle } from '../../lib/sessions';
+import './report.css';
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
   measure?.points.find((one) => one.session_id === sessionId) ?? null;

@@ -18,6 +18,8 @@ import { day, duration, number, position } from '../../lib/format';
 import { pickCurves } from '../../lib/assessment/comparison';
 import { fullName } from '../../lib/people';
 import { sessionTitle } from '../../lib/sessions';
+import './RecordTemplate.css';
+import './template.css';
 
 const SHOWN_FIRST = 12;
 const SHOWN_MORE = 24;

@@ -14,6 +14,7 @@ import { pickCurves } from '../../lib/assessment/comparison';
 import { date, number } from '../../lib/format';
 import { limbOf } from '../../lib/placements';
 import '../../styles/design.css';
+import './template.css';
 
 const MOST_TAGS = 20;
 

@@ -11,6 +11,7 @@ import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import { limbOf } from '../../lib/placements';
 import '../../styles/design.css';
+import './TemplateLibrary.css';
 
 export function TemplateLibrary({ exercises }: { exercises: readonly Exercise[] }) {
   const [typed, setTyped] = useState('');

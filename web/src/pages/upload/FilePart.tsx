@@ -6,6 +6,7 @@ import type { Format } from '../../api/types';
 import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
+import './FilePart.css';
 
 /** Where the file is dropped or chosen. */
 export function FileDrop({

@@ -4,6 +4,7 @@ import { AxesChart, AxesLegend } from '../../charts/AxesChart';
 import type { SensorPreview, TablePreview } from '../../api/types';
 import { t } from '../../i18n';
 import { number } from '../../lib/format';
+import './FirstLook.css';
 
 /** With more sensors than this only the first one's curves are open. */
 const MOST_OPEN = 2;

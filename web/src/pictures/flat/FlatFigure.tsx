@@ -5,6 +5,7 @@ import { placementLabel } from '../../lib/channels';
 import { useSnapshot } from '../../player/hooks';
 import type { Player } from '../../player/types';
 import { middleOf, sceneOf, seen, type FlatScene, type FlatView, type Place } from './scene';
+import './FlatFigure.css';
 
 /** A position that is older than this is not of now. */
 const OF_NOW_S = 1;

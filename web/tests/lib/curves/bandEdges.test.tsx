@@ -1,17 +1,8 @@
 import { render } from '@testing-library/react';
-import { expect, it, vi } from 'vitest';
+import { expect, it } from 'vitest';
 import type { PhaseCurve } from '../../../src/api/types';
-import { PaperPhases } from '../../../src/charts/PaperChart';
+import { PhaseChart } from '../../../src/charts/PhaseChart';
 import { bandEdges } from '../../../src/lib/assessment/comparison';
-
-vi.stubGlobal(
-  'ResizeObserver',
-  class {
-    observe() {}
-    unobserve() {}
-    disconnect() {}
-  },
-);
 
 const curve: PhaseCurve = {
   channel: 'a',
@@ -33,7 +24,8 @@ it('draws what is free to the rim, and leaves a gap a gap', () => {
 
 it('prints the band, the named phases and red stretches where a repetition leaves it', () => {
   const view = render(
-    <PaperPhases
+    <PhaseChart
+      isOnPaper
       curve={curve}
       left={new Set()}
       outside={[{ repetition: 0, number: 1, from: 28, until: 33 }]}
@@ -43,9 +35,9 @@ it('prints the band, the named phases and red stretches where a repetition leave
       ]}
     />,
   );
-  const names = [...view.container.querySelectorAll('.paper-phase text')].map((one) => one.textContent);
+  const names = [...view.container.querySelectorAll('.chart-phase text')].map((one) => one.textContent);
   expect(names).toEqual(['Lift', 'Lower…']);
-  expect(view.container.querySelector('.paper-band')?.getAttribute('d')?.length).toBeGreaterThan(100);
-  expect(view.container.querySelectorAll('.paper-outside')).toHaveLength(1);
-  expect(view.container.querySelectorAll('.paper-outside-bar')).toHaveLength(1);
+  expect(view.container.querySelector('.chart-band')?.getAttribute('d')?.length).toBeGreaterThan(100);
+  expect(view.container.querySelectorAll('.chart-outside')).toHaveLength(1);
+  expect(view.container.querySelectorAll('.chart-outside-bar')).toHaveLength(1);
 });

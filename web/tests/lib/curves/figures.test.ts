@@ -1,5 +1,4 @@
 import { expect, it } from 'vitest';
-import { aligned } from '../../../src/charts/scales';
 import { figure, unitSign } from '../../../src/lib/assessment/figures';
 
 it('shows measured numbers with the digits that count', () => {
@@ -13,15 +12,4 @@ it('shows measured numbers with the digits that count', () => {
   expect(figure(6.66e-16, '1')).toBe('6.7 · 10⁻¹⁶');
   expect(figure(null, 'deg')).toBe('–');
   expect(unitSign('cm')).toBe(' cm');
-});
-
-it('lays lines of different times over one axis', () => {
-  const data = aligned([
-    { name: 'a', x: [0, 2], y: [1, 3] },
-    { name: 'b', x: [1, null, 2], y: [5, 9, null] },
-  ]);
-  expect(data[0]).toEqual([0, 1, 2]);
-  // A hole is null; where the other line has no point there is nothing, which is drawn through.
-  expect(data[1]).toEqual([1, undefined, 3]);
-  expect(data[2]).toEqual([undefined, 5, null]);
 });

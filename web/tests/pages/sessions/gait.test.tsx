@@ -8,11 +8,6 @@ import { ConditionsPage } from '../../../src/kinds/walk/ConditionsPage';
 import { GaitPage } from '../../../src/kinds/walk/GaitPage';
 import { renderPage } from '../render';
 
-vi.mock('../../../src/charts/Plot', () => ({
-  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
-  axis: (more: object) => more,
-  themeColour: () => '#000',
-}));
 afterEach(() => vi.unstubAllGlobals());
 
 const measure = (name: string, value: number, unit = 'm'): WalkMeasure => ({

@@ -5,11 +5,6 @@ import type { MarkerReport, Markers, SessionDetail } from '../../../src/api/type
 import { MarkersPanel } from '../../../src/pages/session/replay/MarkersPanel';
 import { renderPage } from '../render';
 
-vi.mock('../../../src/charts/Plot', () => ({
-  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
-  axis: (more: object) => more,
-  themeColour: () => '#000',
-}));
 afterEach(() => vi.unstubAllGlobals());
 
 const REPORT: MarkerReport = {

@@ -6,14 +6,6 @@ import { hasUnsaved, releaseAll } from '../../../src/lib/editing/unsaved';
 import { UploadPage } from '../../../src/pages/Upload';
 import { renderPage } from '../render';
 
-vi.mock('uplot', () => ({
-  default: class {
-    over = document.createElement('div');
-    setData() {}
-    destroy() {}
-  },
-}));
-
 // Options of a list are scrolled to, which the simulated page cannot do.
 Element.prototype.scrollIntoView = () => undefined;
 

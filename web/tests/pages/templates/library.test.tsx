@@ -8,10 +8,6 @@ import { TemplateCard } from '../../../src/pages/template/TemplateCard';
 import { renderPage } from '../render';
 
 afterEach(() => vi.unstubAllGlobals());
-vi.mock('../../../src/charts/Plot', async (original) => ({
-  ...(await original<object>()),
-  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
-}));
 
 const exercise: Exercise = {
   id: 'e',

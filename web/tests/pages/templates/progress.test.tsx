@@ -3,18 +3,12 @@ import { render as draw, screen, within } from '@testing-library/react';
 import axe from 'axe-core';
 import type { ReactElement } from 'react';
 import { MemoryRouter } from 'react-router';
-import { describe, expect, it, vi } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import type { Estimator, ProgressMeasure } from '../../../src/api/types';
 import { BandLegend, EventStrip, madeBy, ProgressChart, symmetryText } from '../../../src/charts/ProgressChart';
 import { daysOf } from '../../../src/lib/assessment/days';
 import { judgedBy, shownChange, trendNotes, trendText } from '../../../src/lib/assessment/trend';
 import { changed, trend } from '../../trend';
-
-vi.mock('../../../src/charts/Plot', () => ({
-  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
-  axis: (more: object) => more,
-  themeColour: () => '#000',
-}));
 
 const measure = (change: Partial<ProgressMeasure>): ProgressMeasure => ({
   measure: 'range:a',

@@ -1,8 +1,9 @@
 import { act, render } from '@testing-library/react';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { ComparisonDetail, MeasureValue, ProgressMeasure } from '../../../src/api/types';
-import { joined, PaperPhases, pathOf } from '../../../src/charts/PaperChart';
-import { niceTicks } from '../../../src/charts/scales';
+import { Chart } from '../../../src/charts/ChartFrame';
+import { lineOf } from '../../../src/charts/marks';
+import { joined, PhaseChart } from '../../../src/charts/PhaseChart';
 import { repetitionsText, reportRows } from '../../../src/lib/assessment/report';
 import { verdict, verdictText } from '../../../src/pages/report/SummarySheet';
 import { changed, trend } from '../../trend';
@@ -60,19 +61,30 @@ describe('repetitions of the report', () => {
 });
 
 describe('charts for paper', () => {
-  it('have round ticks that span the range', () => {
-    expect(niceTicks(37, 61, 4)).toEqual([30, 40, 50, 60, 70]);
-    expect(niceTicks(-0.3, 0.3, 4)).toEqual([-0.4, -0.2, 0, 0.2, 0.4]);
-    expect(niceTicks(5, 5, 4)).toEqual([5]);
+  const numbers = (domain: [number, number], isLogarithmic = false) => {
+    const axis = { domain, text: String, isRound: true, isLogarithmic };
+    const margin = { top: 0, right: 0, bottom: 0, left: 0 };
+    const { container } = render(
+      <Chart label="" width={200} height={200} margin={margin} x={{ domain: [0, 1] }} y={axis}>
+        {() => null}
+      </Chart>,
+    );
+    return [...container.querySelectorAll('text')].map((one) => Number(one.textContent));
+  };
+  it('have round numbers that span the range', () => {
+    expect(numbers([37, 61])).toEqual([30, 40, 50, 60, 70]);
+    expect(numbers([-0.3, 0.3])).toEqual([-0.4, -0.2, 0, 0.2, 0.4]);
+    expect(numbers([5, 5])).toEqual([5]);
+    expect(numbers([2, 90], true)).toEqual([1, 10, 100]);
   });
   it('leave gaps where nothing is known', () => {
     expect(
-      pathOf(
+      lineOf(
         [1, 2, null, 3],
         (index) => index,
         (value) => value,
       ),
-    ).toBe('M0.0 1.0L1.0 2.0M3.0 3.0');
+    ).toBe('M0,1L1,2M3,3Z');
   });
 });
 
@@ -137,10 +149,10 @@ describe('on paper', () => {
       { repetition: 1, number: 2, from: 55, until: 70 },
     ];
     measuredAs(0);
-    const { container } = render(<PaperPhases curve={curve} left={new Set()} outside={outside} />);
-    expect(container.querySelectorAll('.paper-outside')).toHaveLength(2);
+    const { container } = render(<PhaseChart isOnPaper curve={curve} left={new Set()} outside={outside} />);
+    expect(container.querySelectorAll('.chart-outside')).toHaveLength(2);
     // Two stretches that overlap are one bar.
-    expect(container.querySelectorAll('.paper-outside-bar')).toHaveLength(1);
+    expect(container.querySelectorAll('.chart-outside-bar')).toHaveLength(1);
     expect(joined(outside)).toEqual([{ from: 41, until: 70 }]);
   });
   it.each([
@@ -151,7 +163,7 @@ describe('on paper', () => {
     measuredAs(width);
     const values = Array.from({ length: 101 }, (_, phase) => phase);
     const curve = { channel: 'a', label: 'A', unit: 'deg', mean: values, low: values, high: values, repetitions: [] };
-    const { container } = render(<PaperPhases curve={curve} left={new Set()} />);
+    const { container } = render(<PhaseChart isOnPaper curve={curve} left={new Set()} />);
     await act(() => new Promise((done) => requestAnimationFrame(() => done(undefined))));
     expect(container.querySelector('svg')?.getAttribute('viewBox')).toBe(view);
     const last = [...container.querySelectorAll('text')].find((one) => one.textContent === '100 %');

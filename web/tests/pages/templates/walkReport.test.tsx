@@ -1,16 +1,10 @@
 import { screen, within } from '@testing-library/react';
 import axe from 'axe-core';
-import { describe, expect, it, vi } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import type { Gait, GaitFoot, WalkMeasure } from '../../../src/api/types';
 import { ReportPage } from '../../../src/pages/report/ReportPage';
 import { changed, trend } from '../../trend';
 import { renderPage } from '../render';
-
-vi.mock('../../../src/charts/Plot', () => ({
-  Plot: () => null,
-  axis: (more: object) => more,
-  themeColour: () => '#000',
-}));
 
 const measure = (name: string, value: number, unit = 'm'): WalkMeasure => ({
   measure: name,

@@ -19,6 +19,8 @@ import {
   type WalkSoFar,
 } from '../guidedWalk';
 import type { Player } from '../../../player/types';
+import './views.css';
+import './GuidedWalk.css';
 
 const REFRESH_MS = 100;
 

@@ -5,6 +5,7 @@ import { t } from '../../../i18n';
 import { GRAVITY, hasForces, isUsable, readWalk, type FootReading, type WalkReading } from '../forces';
 import { number, quantity } from '../../../lib/format';
 import type { Player } from '../../../player/types';
+import './LiveWalk.css';
 
 const REFRESH_MS = 250;
 

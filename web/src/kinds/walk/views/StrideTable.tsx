@@ -8,6 +8,7 @@ import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
 import { number } from '../../../lib/format';
 import { isOutside, isWhole, measureText, strideCount } from '../gait';
+import './StrideTable.css';
 
 export interface ChosenStride {
   side: 'left' | 'right';

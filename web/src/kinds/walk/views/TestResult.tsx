@@ -2,6 +2,8 @@
 import type { Gait } from '../../../api/types';
 import { t } from '../../../i18n';
 import { number, pair } from '../../../lib/format';
+import './views.css';
+import './TestResult.css';
 
 function Figure({ name, value, more }: { name: string; value: string; more?: string }) {
   return (

@@ -1,5 +1,4 @@
 // The report of a walk: what came of it and whether it changed, curves over the gait cycle, method and quality.
-import { LegendStroke } from '../../../charts/Legend';
 import { useComparison, useComparisons, useEstimators, useGait, useProgress } from '../../../api/queries';
 import type {
   ComparisonDetail,
@@ -10,7 +9,8 @@ import type {
   SessionDetail,
   WalkMeasure,
 } from '../../../api/types';
-import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
+import { CycleChart, CycleLegend } from '../../../charts/CycleChart';
+import { PaperProgress } from '../../../charts/ProgressCurve';
 import { QueryBoundary } from '../../../components/Feedback';
 import { SideMark } from '../../../components/Marks';
 import { t } from '../../../i18n';
@@ -198,15 +198,12 @@ function Curves({ session, patient, gait, names }: Walked & { names: readonly Cy
     footOf(gait, side)?.curves.find((one) => one.name === name);
   return (
     <Sheet title={t('walkReport.curves')} number={2} session={session} patient={patient}>
-      <ul className="paper-legend plain-list">
-        <LegendStroke className="paper-line paper-line-strong">{t('cycle.left')}</LegendStroke>
-        <LegendStroke className="paper-template paper-right">{t('cycle.right')}</LegendStroke>
-      </ul>
+      <CycleLegend className="paper-legend" />
       <div className="paper-curves">
         {names.map((name) => (
           <figure key={name} className="paper-figure">
             <figcaption>{withUnit(t(`cycle.${name}`), (of('left', name) ?? of('right', name))?.unit)}</figcaption>
-            <PaperCycle name={t(`cycle.${name}`)} left={of('left', name)} right={of('right', name)} />
+            <CycleChart isOnPaper name={t(`cycle.${name}`)} left={of('left', name)} right={of('right', name)} />
           </figure>
         ))}
       </div>

@@ -12,6 +12,7 @@ import { isSure } from '../../../lib/assessment/trend';
 import { mainMeasure, plainProgress } from '../../../lib/plain';
 import { PlainProblem } from '../PlainProblem';
 import { hasHurt } from './hurt';
+import './After.css';
 
 const MARKS = Array.from({ length: 11 }, (_, mark) => mark);
 type Question = 'pain' | 'effort' | 'third';

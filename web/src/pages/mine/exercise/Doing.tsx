@@ -13,6 +13,7 @@ import { useKeys } from '../../../lib/browser/keys';
 import { forPosture } from '../../../lib/posture';
 import type { Hold } from './useHold';
 import { canSpeak, keepVoice, useVoice, wantsVoice } from './voice';
+import './Doing.css';
 
 /** The one thing to say; nothing is said of what is not known. */
 function lineOf(guidance: GuidanceMessage | null, posture: Posture | undefined): string {

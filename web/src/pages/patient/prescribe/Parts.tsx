@@ -6,6 +6,7 @@ import { t } from '../../../i18n';
 import { DAYS, dayName } from '../../../lib/assessment/practice';
 import { primaryAngles } from '../../../lib/exercises';
 import { LimitRows } from '../../template/editor/StopRules';
+import './Parts.css';
 
 const MOST_TIMES = 4;
 const FIRST_TIME = '09:00';

@@ -11,6 +11,7 @@ import { useSignedIn } from '../../../components/account/useSignedIn';
 import { t } from '../../../i18n';
 import { kindOf } from '../../../kinds';
 import { placementList } from '../../../lib/channels';
+import './ConnectHelp.css';
 
 /** What to do until packets come: put the sensors on, start the gateway, or try the simulated one. */
 export function ConnectHelp({ session }: { session: SessionDetail }) {

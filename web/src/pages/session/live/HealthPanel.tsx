@@ -4,6 +4,7 @@ import type { HealthMessage, Placement, SensorHealth } from '../../../api/types'
 import { t } from '../../../i18n';
 import { placementLabel, placementList } from '../../../lib/channels';
 import { number } from '../../../lib/format';
+import './HealthPanel.css';
 
 interface Trouble {
   text: string;

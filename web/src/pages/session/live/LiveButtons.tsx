@@ -9,6 +9,7 @@ import type { SessionState } from '../../../api/types';
 import { Confirm } from '../../../components/forms/Confirm';
 import { Problem } from '../../../components/Feedback';
 import { t } from '../../../i18n';
+import './LiveButtons.css';
 
 type Deed = 'record' | 'stop' | 'close';
 

@@ -33,6 +33,7 @@ import { LiveButtons } from './LiveButtons';
 import { NotStored } from './NotStored';
 import { Repetitions } from './Repetitions';
 import { StateSteps, stepOf } from './StateSteps';
+import './LiveSession.css';
 
 const LIVE = { mode: 'live' } as const;
 /** How often HTTP is asked where no socket gets through. */

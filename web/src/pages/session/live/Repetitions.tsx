@@ -1,6 +1,7 @@
 // How many repetitions, large enough to be read from beside the patient.
 import type { GuidanceMessage } from '../../../api/types';
 import { t } from '../../../i18n';
+import './Repetitions.css';
 
 /** Nothing where nothing is counted; of what is not heard any more no number stands for now. */
 export function Repetitions({ guidance, isKnown }: { guidance: GuidanceMessage | null; isKnown: boolean }) {

@@ -1,6 +1,7 @@
 import { IconCheck } from '@tabler/icons-react';
 import type { SessionState } from '../../../api/types';
 import { t } from '../../../i18n';
+import './StateSteps.css';
 
 const STEPS = ['connect', 'calibrate', 'ready', 'record', 'analyse'] as const;
 

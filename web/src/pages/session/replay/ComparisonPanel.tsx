@@ -15,6 +15,7 @@ import { zeroOf } from '../../../lib/channels';
 import { quantity, uncertain } from '../../../lib/format';
 import { isOfStrides, outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
 import { MEASURE_GROUPS } from '../../../lib/assessment/report';
+import './ComparisonPanel.css';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;
@@ -171,11 +172,9 @@ function Curve({
   ComparisonPanelProps,
   'selected' | 'onPhase' | 'phaseNow'
 >) {
-  const outside = comparison.repetitions.map((one) => one.outside_band[curve.channel] ?? []);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
-  const stretches = outsideOf(comparison, curve.channel).filter(
-    (one) => selected === null || one.repetition === selected,
-  );
+  const outside = outsideOf(comparison, curve.channel);
+  const stretches = outside.filter((one) => selected === null || one.repetition === selected);
   return (
     <section className="curve">
       <h3>{curve.label}</h3>

@@ -15,6 +15,7 @@ import { differenceRows, distinctResults, overallRms } from '../../../lib/assess
 import { dateTime, number, position } from '../../../lib/format';
 import { fullName, patientCrumbs } from '../../../lib/people';
 import { estimatorTitle, sessionTitle } from '../../../lib/sessions';
+import './replay.css';
 
 function shortLabel(result: Result, estimators: readonly Estimator[]): string {
   const title = estimatorTitle(result, estimators);

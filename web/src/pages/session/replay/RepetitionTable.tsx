@@ -6,6 +6,7 @@ import { Measured } from '../../../components/Measured';
 import { t } from '../../../i18n';
 import { isOfStrides, primaryChannel } from '../../../lib/assessment/comparison';
 import { quantity, uncertain } from '../../../lib/format';
+import './RepetitionTable.css';
 
 /** So many columns have room beside each other on a tablet. */
 const MOST_BESIDE = 7;

@@ -43,6 +43,8 @@ import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
 import { MassPanel } from './MassPanel';
 import { RepetitionTable } from './RepetitionTable';
+import './SessionPage.css';
+import './replay.css';
 
 interface ReplayProps {
   session: SessionDetail;

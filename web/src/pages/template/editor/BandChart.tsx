@@ -1,14 +1,17 @@
 // The recorded curve with the band drawn on it: grips on the band and on the borders of phases, by mouse, touch and keys.
-import { useElementSize, useMediaQuery } from '@mantine/hooks';
+import { useMediaQuery } from '@mantine/hooks';
 import { useId, useRef, type KeyboardEvent, type PointerEvent } from 'react';
 import type { PhaseCurve } from '../../../api/types';
 import { t } from '../../../i18n';
 import { edgesOf, knotsFor, stretches, type Draft, type Edge } from '../../../lib/assessment/design';
 import { displayUnit, number, quantity, tick } from '../../../lib/format';
-import { areaOf, factorFor, handlesOf, lineOf, PAD, scalesOf, stepOf, type Handle, type Scales } from './geometry';
+import { ChartFrame, type Place } from '../../../charts/ChartFrame';
+import { bandOf, fitted, lineOf, type Values } from '../../../charts/marks';
+import { domainOf, factorFor, handlesOf, PAD, stepOf, type Handle } from './geometry';
 import { phaseName } from './words';
+import './BandChart.css';
+import './editor.css';
 
-const FALLBACK_WIDTH = 820;
 const LARGE = 5;
 const OVER_RIM = 4;
 
@@ -23,127 +26,112 @@ interface Props {
 }
 
 export function BandChart({ curve, draft, left, selected, onSelect, onBand, onBorder }: Props) {
-  const { ref, width: measured } = useElementSize();
   const isSmall = useMediaQuery('(max-width: 600px)') ?? false;
-  const width = measured || FALLBACK_WIDTH;
-  const height = isSmall ? 340 : 420;
   const unit = displayUnit(curve.unit);
   const limits = draft.stops.filter((one) => one.kind === 'limit' && one.channel === curve.channel);
   const limitOf = (one: (typeof limits)[number]) => (one.limit ?? 0) * (curve.unit === 'm' ? 1 : 180 / Math.PI);
-  const scales = scalesOf(curve, width, height, limits.map(limitOf));
   const edges = edgesOf(curve, knotsFor(draft, curve.channel));
   const clip = useId();
-  const parts = stretches(draft.phases);
   const isPlain = draft.watched.includes(curve.channel);
+  // Where an edge is free the band reaches to the rim of the picture.
+  const domain = domainOf(curve, limits.map(limitOf));
+  const edge = (values: readonly (number | null)[], free: number) =>
+    curve.mean.map((mean, index) => (mean === null ? null : (values[index] ?? free)));
+  const [low, high] = [edge(edges.low, domain[0]), edge(edges.high, domain[1])];
   return (
-    <div ref={ref} className="band-chart">
-      <svg width={width} height={height} role="group" aria-label={t('design.chart', { curve: curve.label })}>
-        <defs>
-          <clipPath id={clip}>
-            <rect
-              x={PAD.left}
-              y={scales.top}
-              width={width - PAD.left - PAD.right}
-              height={scales.bottom - scales.top}
-            />
-          </clipPath>
-        </defs>
-        {parts.map(([start, end], index) => (
-          <g key={index} aria-hidden onPointerDown={() => onSelect(index)}>
-            <rect
-              className={index === selected ? 'band-phase band-phase-on' : 'band-phase'}
-              x={scales.x(start)}
-              y={4}
-              width={Math.max(0, scales.x(end) - scales.x(start))}
-              height={scales.bottom - 4}
-            />
-            <PhaseTitle x={(scales.x(start) + scales.x(end)) / 2} room={scales.x(end) - scales.x(start)}>
-              {phaseName(draft.phases, index)}
-            </PhaseTitle>
-          </g>
-        ))}
-        <g aria-hidden pointerEvents="none">
-          {scales.ticks.map((at) => (
-            <g key={at}>
-              <line className="band-grid" x1={PAD.left} x2={width - PAD.right} y1={scales.y(at)} y2={scales.y(at)} />
-              <text className="band-tick" x={PAD.left - 8} y={scales.y(at) + 5} textAnchor="end">
-                {tick(at * unit.factor, unit)}
-              </text>
-            </g>
-          ))}
-          {[0, 0.25, 0.5, 0.75, 1].map((at) => (
-            <text
-              key={at}
-              className="band-tick"
-              x={scales.x(at) + (at === 1 ? PAD.right - 2 : 0)}
-              y={height - 6}
-              textAnchor={at === 1 ? 'end' : 'middle'}
-            >
-              {number(at * 100)} %
-            </text>
-          ))}
-          <g clipPath={`url(#${clip})`}>
-            <path className={isPlain ? 'band-area band-area-plain' : 'band-area'} d={areaOf(curve, edges, scales)} />
-            {curve.repetitions.map((one, index) =>
-              left.has(index) ? null : <path key={index} className="band-repetition" d={lineOf(one, scales)} />,
-            )}
-            <path className="band-edge" d={lineOf(edges.high, scales)} />
-            <path className="band-edge" d={lineOf(edges.low, scales)} />
-          </g>
-          <path className="band-mean" d={lineOf(curve.mean, scales)} />
-          {limits.map((one, index) => (
-            <g key={index} className="band-limit">
-              <line x1={PAD.left} x2={width - PAD.right} y1={scales.y(limitOf(one))} y2={scales.y(limitOf(one))} />
-              <text
-                x={width - PAD.right - 4}
-                y={scales.y(limitOf(one)) + (one.side === 'below' ? 18 : -6)}
-                textAnchor="end"
-              >
-                {t('design.limitLine', { value: quantity(limitOf(one), curve.unit) })}
-              </text>
-            </g>
-          ))}
-        </g>
-        {draft.phases.slice(0, -1).map((one, index) => (
-          <Border
-            key={index}
-            end={one.end}
-            label={t('design.border', {
-              before: phaseName(draft.phases, index),
-              after: phaseName(draft.phases, index + 1),
-            })}
-            scales={scales}
-            onMove={(end) => onBorder(index, end)}
-          />
-        ))}
-        {!isPlain &&
-          handlesOf(curve, draft).map((handle) => (
-            <Grip
-              key={`${handle.phase}-${handle.edge}`}
-              curve={curve}
-              handle={handle}
-              phaseTitle={phaseName(draft.phases, handle.phase)}
-              scales={scales}
-              isOn={handle.phase === selected}
-              onSelect={() => onSelect(handle.phase)}
-              onFactor={(factor) => onBand(handle.phase, handle.edge, factor)}
-            />
-          ))}
-      </svg>
+    <div className="band-chart">
+      <ChartFrame
+        role="group"
+        label={t('design.chart', { curve: curve.label })}
+        height={isSmall ? 340 : 420}
+        margin={PAD}
+        x={{ domain: [0, 1], ticks: () => [0, 0.25, 0.5, 0.75, 1], text: (at) => `${number(at * 100)} %` }}
+        y={{ domain, every: 56, text: (at) => tick(at * unit.factor, unit) }}
+        behind={(at) => <Phases draft={draft} selected={selected} onSelect={onSelect} at={at} />}
+      >
+        {(at) => {
+          const line = (values: Values) => lineOf(values, (index) => at.x(index / 100), at.y);
+          return (
+            <>
+              <clipPath id={clip}>
+                <rect x={at.left} y={at.top} width={at.right - at.left} height={at.bottom - at.top} />
+              </clipPath>
+              <g aria-hidden pointerEvents="none">
+                <g clipPath={`url(#${clip})`}>
+                  <path
+                    className={isPlain ? 'band-area band-area-plain' : 'band-area'}
+                    d={bandOf(low, high, (index) => at.x(index / 100), at.y)}
+                  />
+                  {curve.repetitions.map((one, index) =>
+                    left.has(index) ? null : <path key={index} className="band-repetition" d={line(one)} />,
+                  )}
+                  <path className="band-edge" d={line(edges.high)} />
+                  <path className="band-edge" d={line(edges.low)} />
+                </g>
+                <path className="band-mean" d={line(curve.mean)} />
+                {limits.map((one, index) => (
+                  <g key={index} className="band-limit">
+                    <line x1={at.left} x2={at.right} y1={at.y(limitOf(one))} y2={at.y(limitOf(one))} />
+                    <text x={at.right - 4} y={at.y(limitOf(one)) + (one.side === 'below' ? 18 : -6)} textAnchor="end">
+                      {t('design.limitLine', { value: quantity(limitOf(one), curve.unit) })}
+                    </text>
+                  </g>
+                ))}
+              </g>
+              {draft.phases.slice(0, -1).map((one, index) => (
+                <Border
+                  key={index}
+                  end={one.end}
+                  label={t('design.border', {
+                    before: phaseName(draft.phases, index),
+                    after: phaseName(draft.phases, index + 1),
+                  })}
+                  at={at}
+                  onMove={(end) => onBorder(index, end)}
+                />
+              ))}
+              {!isPlain &&
+                handlesOf(curve, draft).map((handle) => (
+                  <Grip
+                    key={`${handle.phase}-${handle.edge}`}
+                    curve={curve}
+                    handle={handle}
+                    phaseTitle={phaseName(draft.phases, handle.phase)}
+                    at={at}
+                    isOn={handle.phase === selected}
+                    onSelect={() => onSelect(handle.phase)}
+                    onFactor={(factor) => onBand(handle.phase, handle.edge, factor)}
+                  />
+                ))}
+            </>
+          );
+        }}
+      </ChartFrame>
     </div>
   );
 }
 
 const LETTER = 9;
 
-function PhaseTitle({ x, room, children }: { x: number; room: number; children: string }) {
-  const letters = Math.floor((room - 10) / LETTER);
-  const text = children.length > letters ? `${children.slice(0, Math.max(1, letters - 1))}…` : children;
-  return (
-    <text className="band-phase-name" x={x} y={24} textAnchor="middle">
-      {text}
-    </text>
-  );
+/** The phases behind the curve, the selected one on a ground of its own. */
+function Phases({ draft, selected, onSelect, at }: Pick<Props, 'draft' | 'selected' | 'onSelect'> & { at: Place }) {
+  return stretches(draft.phases).map(([start, end], index) => {
+    const [from, room] = [at.x(start), at.x(end) - at.x(start)];
+    return (
+      <g key={index} aria-hidden onPointerDown={() => onSelect(index)}>
+        <rect
+          className={index === selected ? 'band-phase band-phase-on' : 'band-phase'}
+          x={from}
+          y={4}
+          width={Math.max(0, room)}
+          height={at.bottom - 4}
+        />
+        <text className="band-phase-name" x={from + room / 2} y={24} textAnchor="middle">
+          {fitted(phaseName(draft.phases, index), room - 10, LETTER)}
+        </text>
+      </g>
+    );
+  });
 }
 
 /** Follow a pointer from a handle until it is let go, in the coordinates of the picture. */
@@ -176,7 +164,7 @@ function Grip({
   curve,
   handle,
   phaseTitle,
-  scales,
+  at,
   isOn,
   onSelect,
   onFactor,
@@ -184,29 +172,29 @@ function Grip({
   curve: PhaseCurve;
   handle: Handle;
   phaseTitle: string;
-  scales: Scales;
+  at: Place;
   isOn: boolean;
   onSelect: () => void;
   onFactor: (factor: number | null) => void;
 }) {
   const isFree = handle.value === null;
   const drag = useDrag((_, y) => {
-    const isOut = handle.edge === 'above' ? y < scales.top - OVER_RIM : y > scales.bottom + OVER_RIM;
-    onFactor(isOut ? null : factorFor(handle, scales.valueAt(y)));
+    const isOut = handle.edge === 'above' ? y < at.top - OVER_RIM : y > at.bottom + OVER_RIM;
+    onFactor(isOut ? null : factorFor(handle, at.y.invert(y)));
   });
   const onKeyDown = (event: KeyboardEvent) => {
     const far = event.shiftKey ? LARGE : 1;
     const step = { ArrowUp: far, ArrowRight: far, ArrowDown: -far, ArrowLeft: -far, PageUp: LARGE, PageDown: -LARGE }[
       event.key
     ];
-    if (step !== undefined) onFactor(factorFor(handle, (handle.value ?? rimOf(handle, scales)) + step * stepOf(curve)));
+    if (step !== undefined) onFactor(factorFor(handle, (handle.value ?? rimOf(handle, at)) + step * stepOf(curve)));
     else if (event.key.toLowerCase() === 'f') onFactor(isFree ? 1 : null);
     else return;
     event.preventDefault();
   };
-  const x = scales.x(handle.at / 100);
-  const rim = handle.edge === 'above' ? scales.top : scales.bottom;
-  const y = handle.value === null ? rim : Math.min(scales.bottom, Math.max(scales.top, scales.y(handle.value)));
+  const x = at.x(handle.at / 100);
+  const rim = handle.edge === 'above' ? at.top : at.bottom;
+  const y = handle.value === null ? rim : Math.min(at.bottom, Math.max(at.top, at.y(handle.value)));
   const away = handle.factor === null ? null : handle.factor * handle.width;
   const shown = handle.value === null ? null : handle.value * displayUnit(curve.unit).factor;
   return (
@@ -237,7 +225,7 @@ function Grip({
         // At the rim beside the grip: between two grips of a narrow band is no room.
         <text
           className="band-value"
-          {...((handle.edge === 'above' ? y < scales.top + 34 : y > scales.bottom - 34)
+          {...((handle.edge === 'above' ? y < at.top + 34 : y > at.bottom - 34)
             ? { x: 26, y: 5, textAnchor: 'start' }
             : { y: handle.edge === 'above' ? -18 : 30, textAnchor: 'middle' })}
         >
@@ -249,22 +237,12 @@ function Grip({
 }
 
 /** Where the rim of the picture lies, for a key pressed on a free edge. */
-function rimOf(handle: Handle, scales: Scales): number {
-  return scales.valueAt(handle.edge === 'above' ? scales.top : scales.bottom);
+function rimOf(handle: Handle, at: Place): number {
+  return at.y.invert(handle.edge === 'above' ? at.top : at.bottom);
 }
 
-function Border({
-  end,
-  label,
-  scales,
-  onMove,
-}: {
-  end: number;
-  label: string;
-  scales: Scales;
-  onMove: (end: number) => void;
-}) {
-  const drag = useDrag((x) => onMove(scales.phaseAt(x)));
+function Border({ end, label, at, onMove }: { end: number; label: string; at: Place; onMove: (end: number) => void }) {
+  const drag = useDrag((x) => onMove(at.x.invert(x)));
   const onKeyDown = (event: KeyboardEvent) => {
     const far = event.shiftKey ? LARGE : 1;
     const step = { ArrowRight: far, ArrowUp: far, ArrowLeft: -far, ArrowDown: -far, PageUp: LARGE, PageDown: -LARGE }[
@@ -274,7 +252,7 @@ function Border({
     onMove(end + step / 100);
     event.preventDefault();
   };
-  const x = scales.x(end);
+  const x = at.x(end);
   return (
     <g
       className="band-border"
@@ -289,10 +267,10 @@ function Border({
       onKeyDown={onKeyDown}
       {...drag}
     >
-      <line className="band-border-line" x1={x} x2={x} y1={10} y2={scales.bottom} />
-      <rect className="band-hit" x={x - 22} y={scales.bottom - 6} width={44} height={44} />
-      <circle className="band-pill" cx={x} cy={scales.bottom + 16} r={13} />
-      <path className="band-lines" d={`M${x - 3} ${scales.bottom + 10}v12M${x + 3} ${scales.bottom + 10}v12`} />
+      <line className="band-border-line" x1={x} x2={x} y1={10} y2={at.bottom} />
+      <rect className="band-hit" x={x - 22} y={at.bottom - 6} width={44} height={44} />
+      <circle className="band-pill" cx={x} cy={at.bottom + 16} r={13} />
+      <path className="band-lines" d={`M${x - 3} ${at.bottom + 10}v12M${x + 3} ${at.bottom + 10}v12`} />
     </g>
   );
 }

@@ -8,6 +8,7 @@ import { wordsOf } from '../../../i18n/codes';
 import { stretches, type Draft } from '../../../lib/assessment/design';
 import { number } from '../../../lib/format';
 import { cueSays, cueWhen, phaseName, unitOf } from './words';
+import './CueRules.css';
 
 /** A sentence that stands in for words of the therapist's own where they cannot be said. */
 const STAND_IN = 'guidance.further';

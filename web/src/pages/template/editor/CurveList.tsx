@@ -6,6 +6,7 @@ import { limbOf } from '../../../lib/placements';
 import { t } from '../../../i18n';
 import { pickCurves } from '../../../lib/assessment/comparison';
 import type { Draft } from '../../../lib/assessment/design';
+import './CurveList.css';
 
 const SHOWN_FIRST = 7;
 

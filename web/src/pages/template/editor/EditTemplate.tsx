@@ -34,6 +34,8 @@ import { MergeVersion } from './MergeVersion';
 import { PhaseTable } from './PhaseTable';
 import { StopRules } from './StopRules';
 import { Weights } from './Weights';
+import './EditTemplate.css';
+import './editor.css';
 
 function suggested(draft: Draft, mean: readonly (number | null)[]): Draft {
   const borders = suggestedBorders(mean);

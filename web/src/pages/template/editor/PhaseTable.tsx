@@ -7,6 +7,7 @@ import { bandsFor, MOST_PHASES, SHORTEST, stretches, type Draft, type Edge } fro
 import { displayUnit, number } from '../../../lib/format';
 import { handlesOf, type Handle } from './geometry';
 import { phaseName } from './words';
+import './PhaseTable.css';
 
 interface Props {
   curve: PhaseCurve;

@@ -8,6 +8,8 @@ import { brokenBy, proposedLimit } from '../../../lib/assessment/limits';
 import { number, quantity } from '../../../lib/format';
 import '../../../styles/design.css';
 import { unitOf } from './words';
+import './editor.css';
+import './StopRules.css';
 
 const COUNTS = ['valid_count', 'attempt_count', 'time', 'wrong_in_a_row'] as const;
 const START: Record<(typeof COUNTS)[number], number> = {

@@ -4,6 +4,8 @@ import { IconPlus, IconTrash } from '@tabler/icons-react';
 import type { TemplateMeasure, WeightDesign } from '../../../api/types';
 import { t } from '../../../i18n';
 import { displayUnit, weighedQuantity } from '../../../lib/format';
+import './editor.css';
+import './Weights.css';
 
 const MOST = 12;
 /** As the service takes it. */

@@ -1,41 +1,21 @@
 // Where things of a curve lie in the picture, and what a place in the picture means for the band.
 import type { PhaseCurve } from '../../../api/types';
 import { bandsFor, NARROWEST, stretches, WIDEST, type Draft, type Edge } from '../../../lib/assessment/design';
-import { extent, niceTicks } from '../../../charts/scales';
+import { extent } from '../../../charts/scales';
 
 export const PAD = { left: 58, right: 22, top: 34, bottom: 58 };
 const ROOM = 2.2;
 
-/** Scales of one curve in a picture of this size; they do not move while a band is drawn. */
-export interface Scales {
-  x: (phase: number) => number;
-  y: (value: number) => number;
-  phaseAt: (x: number) => number;
-  valueAt: (y: number) => number;
-  top: number;
-  bottom: number;
-  ticks: number[];
-}
-
-export function scalesOf(curve: PhaseCurve, width: number, height: number, limits: readonly number[] = []): Scales {
+/** Lowest and highest value of the picture of a curve; they do not move while a band is drawn. */
+export function domainOf(curve: PhaseCurve, limits: readonly number[] = []): [number, number] {
   const [low, high] = extent(curve.mean, ...curve.repetitions) ?? [0, 1];
   const room = ROOM * Math.max(...(curve.width ?? []).map((one) => one ?? 0), (high - low) / 20, 1e-6);
   // A limit is in the picture, with room for its word.
   const edge = (high - low + 2 * room) / 12;
-  const from = Math.min(low - room, ...limits.map((one) => one - edge));
-  const to = Math.max(high + room, ...limits.map((one) => one + edge));
-  const top = PAD.top;
-  const bottom = height - PAD.bottom;
-  const across = Math.max(1, width - PAD.left - PAD.right);
-  return {
-    x: (phase) => PAD.left + phase * across,
-    y: (value) => bottom - ((value - from) / (to - from)) * (bottom - top),
-    phaseAt: (x) => (x - PAD.left) / across,
-    valueAt: (y) => from + ((bottom - y) / (bottom - top)) * (to - from),
-    top,
-    bottom,
-    ticks: niceTicks(from, to, Math.max(2, Math.round((bottom - top) / 56))).filter((one) => one >= from && one <= to),
-  };
+  return [
+    Math.min(low - room, ...limits.map((one) => one - edge)),
+    Math.max(high + room, ...limits.map((one) => one + edge)),
+  ];
 }
 
 /** One edge of the band in the middle of a phase, where its handle sits. */
@@ -90,46 +70,4 @@ export function factorFor(handle: Handle, value: number): number {
 /** How far an arrow key moves a handle: a degree, or half a centimetre. */
 export function stepOf(curve: PhaseCurve): number {
   return curve.unit === 'm' ? 0.005 : 1;
-}
-
-/** A line through what is known, with holes where it is not. */
-export function lineOf(values: readonly (number | null)[], scales: Scales): string {
-  let isDown = false;
-  return values
-    .map((value, index) => {
-      if (value === null || !Number.isFinite(value)) {
-        isDown = false;
-        return '';
-      }
-      const command = `${isDown ? 'L' : 'M'}${scales.x(index / 100).toFixed(1)} ${scales.y(value).toFixed(1)}`;
-      isDown = true;
-      return command;
-    })
-    .join('');
-}
-
-/** The area of the band; where an edge is free it reaches to the rim of the picture. */
-export function areaOf(
-  curve: PhaseCurve,
-  edges: { low: readonly (number | null)[]; high: readonly (number | null)[] },
-  scales: Scales,
-): string {
-  const parts: string[] = [];
-  let start = -1;
-  for (let index = 0; index <= 101; index += 1) {
-    const isKnown = index <= 100 && curve.mean[index] !== null && curve.mean[index] !== undefined;
-    if (isKnown && start < 0) start = index;
-    if (!isKnown && start >= 0) {
-      const inside = Array.from({ length: index - start }, (_, step) => start + step);
-      const at = (value: number | null | undefined, rim: number) =>
-        value === null || value === undefined ? rim : Math.min(scales.bottom, Math.max(scales.top, scales.y(value)));
-      const upper = inside.map((i) => `${scales.x(i / 100).toFixed(1)} ${at(edges.high[i], scales.top).toFixed(1)}`);
-      const lower = inside
-        .reverse()
-        .map((i) => `${scales.x(i / 100).toFixed(1)} ${at(edges.low[i], scales.bottom).toFixed(1)}`);
-      parts.push(`M${[...upper, ...lower].join('L')}Z`);
-      start = -1;
-    }
-  }
-  return parts.join('');
 }
