@@ -5,7 +5,7 @@ import type { Plugin, Rollup } from 'vite';
 
 /** Pages that are wanted where there is no link, and the words of every language; others are fetched when they are opened. */
 const WANTED = /\/src\/(pages\/mine|sensors|i18n\/[a-z]{2})\/|\/ConfirmDialog\.tsx$/;
-const WANTED_ASSETS = /\.css$|worker.*\.js$|latin-wght-normal.*\.woff2$/;
+const WANTED_ASSETS = /worker.*\.js$|latin-wght-normal.*\.woff2$/;
 const ALWAYS = ['/', '/mark.svg', '/manifest.webmanifest'];
 
 /** The pieces that are loaded with these, and those of the patient's pages. */
@@ -16,6 +16,7 @@ function shellFiles(bundle: Rollup.OutputBundle): string[] {
     if (!piece || files.has(name)) return;
     files.add(name);
     if (piece.type !== 'chunk') return;
+    piece.viteMetadata?.importedCss.forEach((sheet) => files.add(sheet));
     piece.imports.forEach(add);
     for (const later of piece.dynamicImports) {
       const found = bundle[later];

@@ -38,13 +38,20 @@ declare const answers: unique symbol;
 export type Address<T> = string & { readonly [answers]: T };
 
 const serialized = createQuerySerializer();
+/** Half of a character, as a text field holds it while one is typed, has no place in an address. */
+const whole = (value: unknown) => (typeof value === 'string' ? value.replace(/\p{Surrogate}/gu, '\uFFFD') : value);
 
 /** The address of a path with its parameters; those without a value are left out. */
 export function addressOf(path: string, asked: object = {}): string {
   const { path: names, query = {} } = asked as { path?: Record<string, unknown>; query?: object };
   return createFinalURL(path, {
     baseUrl: '',
-    params: { path: names, query: Object.fromEntries(Object.entries(query).filter(([, value]) => value !== '')) },
+    params: {
+      path: names,
+      query: Object.fromEntries(
+        Object.entries(query).flatMap(([name, value]) => (value === '' ? [] : [[name, whole(value)]])),
+      ),
+    },
     querySerializer: serialized,
     pathSerializer: defaultPathSerializer,
   });

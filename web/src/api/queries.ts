@@ -77,6 +77,10 @@ function whole<P extends PathOf<'get'>>(path: P, ...given: Given<'get', P>) {
   return queryOptions({ queryKey: keyOf(at), queryFn: ({ signal }) => api.all(at, signal) });
 }
 
+/** The same function for every render: another one would join the pages again each time. */
+const rowsOf = <Row>(data: { pages: readonly { rows: readonly Row[] }[] }): Row[] =>
+  data.pages.flatMap((page) => page.rows);
+
 /** A list that people read: its first page, and further ones when they ask (`ShowMore`). */
 function pages<P extends PathOf<'get'>>(path: P, ...given: Given<'get', P>) {
   const at = address(path, ...given);
@@ -85,7 +89,7 @@ function pages<P extends PathOf<'get'>>(path: P, ...given: Given<'get', P>) {
     queryFn: ({ pageParam, signal }) => api.page(pageParam, signal),
     initialPageParam: at,
     getNextPageParam: (last) => last.next,
-    select: (data) => data.pages.flatMap((page) => page.rows),
+    select: rowsOf,
   });
 }
 
