@@ -13,7 +13,7 @@ nobody says why, by `@pytest.mark.slow("reason")`.
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -149,18 +149,18 @@ class Costs:
                 elif name == "is_explained":
                     self.explained.add(function)
 
-    def quick(self) -> dict[str, float]:
-        """Return the functions that `make test-quick` runs, or those that it would run after a new measurement."""
-        unmarked = {name: cost for name, cost in self.functions.items() if name not in self.marked}
-        slow = set(too_costly(unmarked))
-        return {name: cost for name, cost in unmarked.items() if name not in slow}
+    def unmarked(self, without: Iterable[str] = ()) -> dict[str, float]:
+        """Return the functions that no marker keeps out of `make test-quick`."""
+        left_out = self.marked.union(without)
+        return {name: cost for name, cost in self.functions.items() if name not in left_out}
 
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         # Only when asked, and when all have run: of a part of the tests no list of all of them is made.
         is_whole = exitstatus == pytest.ExitCode.OK and not hasattr(session.config, "workerinput")
         if session.config.getoption("--write-slow") and is_whole:
-            SLOW_FILE.write_text("".join(f"{name}\n" for name in too_costly(self.functions)))
-            BUDGET_FILE.write_text(written(by_folder(self.quick())))
+            slow = too_costly(self.functions)
+            SLOW_FILE.write_text("".join(f"{name}\n" for name in slow))
+            BUDGET_FILE.write_text(written(by_folder(self.unmarked(slow))))
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         terminalreporter.section("processor time")
@@ -170,7 +170,7 @@ class Costs:
                     terminalreporter.line(f"{cost_s:7.1f} s {name}")
             chosen = too_costly(self.functions)
             terminalreporter.line(f"{self.functions.total():.0f} s in all; {len(chosen)} functions are slow")
-        for line in beyond(by_folder(self.quick()), budgets(BUDGET_FILE.read_text())):
+        for line in beyond(by_folder(self.unmarked()), budgets(BUDGET_FILE.read_text())):
             terminalreporter.line(line)
         for name, cost_s in self.functions.most_common():
             if cost_s > NEEDS_REASON_S and name not in self.explained:

@@ -9,6 +9,8 @@ it('makes an address from a path and its names, and leaves out what has no value
   expect(address('/api/templates', { query: { words: 'arm, up', is_retired: true } })).toBe(
     '/api/templates?words=arm%2C%20up&is_retired=true',
   );
+  // Half of a character, of one that is being typed.
+  expect(address('/api/templates', { query: { words: 'a\uD83D' } })).toBe('/api/templates?words=a%EF%BF%BD');
 });
 
 it('takes the pieces of an address as its key, so the key of a patient stands for all that lies below', () => {

@@ -71,7 +71,7 @@ describe('caseload', () => {
     // The patient's name leads to the patient; beside it a line offers one thing to do.
     for (const line of lines) expect(within(line).getAllByRole('link')).toHaveLength(2);
     expect(first.getByText('Left side affected')).toBeTruthy();
-    expect(first.getByRole('img').textContent).toMatch(/2 days, from 50° to 58°/);
+    expect(first.getByRole('img').getAttribute('aria-label')).toMatch(/2 days, from 50° to 58°/);
     // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
     expect(screen.getByText('1 patient needs attention')).toBeTruthy();
     expect(screen.getByText('Need attention (1)')).toBeTruthy();
