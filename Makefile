@@ -97,17 +97,19 @@ checks: web-test lint types api-test web/dist/index.html browser
 # Many tests wait: for a server that starts, a stream, a page. So those in a browser run beside the others, on their own
 # files: another run as root makes the folder of the first one its own, and no PostgreSQL gets in any more.
 SERVICE_TESTS := --ignore=tests/e2e -o cache_dir=build/tests/service
-BROWSER_TESTS := tests/e2e -o cache_dir=build/tests/browser --basetemp=build/tests/files
+# One browser at a time: three processes of tests fill two cores.
+BROWSER_TESTS := tests/e2e -n 1 -o cache_dir=build/tests/browser --basetemp=build/tests/files
 
-# Where only tests of tests/again.txt failed they run again, named and alone, and that decides. Any other end stays.
-decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone, if tests/again.txt lists them:" && \
+# What failed beside others runs again, alone, and that decides; tests that tests/again.txt does not list are named.
+# With TELEMOTION_LISTED_ONLY only listed ones run again. Any other end than failed tests stays.
+decided = { [ $(1) = 0 ] || { [ $(1) = 1 ] && echo "Failed beside others; alone:" && \
 	$(BIN)/python -m pytest $(2) -n 0 -vv -p tests.again --last-failed --last-failed-no-failures none --maxfail=1; }; }
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.
 	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled checks
 	@rm -rf build/tests; mkdir -p build/tests; echo "What the browser tests say stands in build/tests/browser.log until they have ended."
-	@$(BIN)/python -m pytest $(BROWSER_TESTS) $(TWO_AT_ONCE) -p tests.costs --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
+	@$(BIN)/python -m pytest $(BROWSER_TESTS) -p tests.costs --durations=15 >build/tests/browser.log 2>&1 & browser=$$!; \
 	trap 'kill $$browser 2>/dev/null' EXIT; service=0; pages=0; \
 	$(BIN)/python -m pytest $(SERVICE_TESTS) $(TWO_AT_ONCE) --no-loadscope-reorder -p tests.costs --durations=15 || service=$$?; \
 	wait $$browser || pages=$$?; cat build/tests/browser.log; \
