@@ -112,9 +112,9 @@ def long_at_first(context: JobContext) -> str:
     return f"attempt {context.attempt}"
 
 
-@pytest.mark.slow("each of three tasks starts a process that imports the service")
+@pytest.mark.slow("each of eight tasks starts a process that imports the service")
 def test_two_workers_run_every_task_once(queue: Queue) -> None:
-    ids = queue.add(3)
+    ids = queue.add(8)
     runners = [queue.runner(well) for _ in range(2)]
     queue.until(lambda: len(queue.done) == len(ids))
     for runner, _ in runners:
