@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 _PLACE: Final = Path(__file__).parents[1]
-_BESIDE: Final = ("app", "estimators", "messages", "migrations", "validation")
+_BESIDE: Final = ("app", "estimators", "messages", "migrations", "published", "validation")
 
 
 @contextmanager

@@ -65,6 +65,7 @@ class Device:
 
 
 # Standard deviations are about two fifths of the tolerances that data sheets print.
+# Looked up in a sheet: MPU-9250 and, in part, MTi-1. Those of BMI160, LSM6DSO and BMM150 are still to be checked.
 # consumer: InvenSense MPU-9250, PS-MPU-9250A-01 rev. 1.0, tables 1 to 3: 5 deg/s, 3 %, cross-axis 2 %, 0.01
 # deg/s/rtHz; 60 to 80 mg, 3 %, 300 ug/rtHz; 0.6 uT a count. It moves 30 deg/s from -40 to 85 degrees C, 0.24 deg/s a
 # degree, and some degrees on a body: a part of that. Magnetometer after a turn in the hand by the application.
