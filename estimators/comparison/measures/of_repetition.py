@@ -159,7 +159,7 @@ def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: 
     -------
     list of Measure
         Empty where one of the two joints was not measured. Uncertainty is what a joint angle that drifts by its
-        standard deviation over the stroke changes.
+        standard deviation over the stroke, the way that changes more, makes of it.
     """
     names = (f"thorax_humerus_{side}_yxy_elevation", f"humerus_forearm_{side}_zxy_flexion")
     if any(name not in arm.channels for name in names):
@@ -177,15 +177,24 @@ def coordination_measures(arm: SideChannels, side: str, stroke: slice, rate_hz: 
     sigma = np.array([_typical(arm.sigma[stroke, column]) for column in columns])
     if np.isfinite(sigma).all():
         drift = np.linspace(0.0, 1.0, angles.shape[1])
+        first, second = (
+            angle + size * np.outer([1.0, -1.0], drift) for angle, size in zip(angles, sigma, strict=True)
+        )
+        # Either way, for where two lags explain the stroke alike a small change one way turns one into the other.
         others = interjoint_coordinations(
-            np.stack([angles[0] + sigma[0] * drift, angles[0]]),
-            np.stack([angles[1], angles[1] + sigma[1] * drift]),
-            rate_hz,
-            0.0,
+            np.vstack([first, angles[[0, 0]]]), np.vstack([angles[[1, 1]], second]), rate_hz, 0.0
         )
         here = np.array([found.correlation, found.lag_s, found.common_share])
-        away = [np.array([one.correlation, one.lag_s, one.common_share]) - here for one in others if one]
-        moved = np.sqrt(np.sum(np.square(away), axis=0)) if away else moved
+        away = [
+            [
+                np.square(np.array([one.correlation, one.lag_s, one.common_share]) - here)
+                for one in both
+                if one
+            ]
+            for both in (others[:2], others[2:])
+        ]
+        if any(away):
+            moved = np.sqrt(np.sum([np.max(squares, axis=0) for squares in away if squares], axis=0))
         # A lag is known to a tick at best.
         moved[1] = np.hypot(moved[1], 1.0 / rate_hz / np.sqrt(12.0))
     return [
