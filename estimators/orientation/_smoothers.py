@@ -120,7 +120,7 @@ class TelemotionSmoother(Smoother):
     """Our own filter's model over the whole session, both ways."""
 
     name: ClassVar[str] = "telemotion_smoother"
-    version: ClassVar[str] = "8"
+    version: ClassVar[str] = "9"
     title: ClassVar[str] = "Telemotion, off-line"
     description: ClassVar[str] = (
         "Looks at the whole session, forward and backward, once it is recorded; the most accurate."

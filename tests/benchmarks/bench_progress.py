@@ -143,7 +143,7 @@ class Clinics:
             pipeline=pipeline,
             pipeline_version="1",
             orientation="telemotion",
-            orientation_version="9",
+            orientation_version="10",
             setup={},
             layout={},
             status="complete",

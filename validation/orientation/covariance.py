@@ -35,6 +35,7 @@ _NOISE_SD = np.array([0.01, 0.2, 1.0])
 """White noise of a sample: rad/s, m/s^2, microtesla."""
 _EARTH_FIELD_UT = np.array([0.0, 18.0, -45.0])
 _GAIN_SD, _BIAS_SD_DEGPS, _DELAY_SD_S = 0.005, 1.0, 0.02
+_OFFSET_SD_MPS2, _GRAVITY_SD_MPS2 = 0.2, 0.1
 
 
 def _stated_parameters(noise_sd: Float) -> dict[str, Any]:
@@ -45,6 +46,7 @@ def _stated_parameters(noise_sd: Float) -> dict[str, Any]:
         "tilt_sigma_scale": 1.0,
         "heading_sigma_scale": 1.0,
         "tilt_sigma_floor_deg": 1e-4,
+        "tilt_sigma_per_offset": 0.0,
         "heading_sigma_floor_deg": 1e-4,
         "field_noise_moving_ut_sqrt_s": field_noise_ut,
         "field_noise_rest_ut_sqrt_s": field_noise_ut,
@@ -53,7 +55,11 @@ def _stated_parameters(noise_sd: Float) -> dict[str, Any]:
         "start_narrow_ut": 0.001,
         "region_ut": 0.001,
         "region_share": 0.0,
+        "wander_share": 0.0,
         "gain_sigma": _GAIN_SD,
+        "gain_narrow": _GAIN_SD,
+        "force_offset_sigma_mps2": _OFFSET_SD_MPS2,
+        "gravity_sigma_mps2": _GRAVITY_SD_MPS2,
         "bias_start_sigma_degps": _BIAS_SD_DEGPS,
         "delay_sigma_s": _DELAY_SD_S,
         "rate_noise_deg_per_sqrt_s": rate_noise_deg,
@@ -63,6 +69,7 @@ def _stated_parameters(noise_sd: Float) -> dict[str, Any]:
         "bias_drift_degps_per_sqrt_s": 1e-5,
         "speed_noise_mps_per_sqrt_s": speed_noise,
         "position_noise_m_per_sqrt_s": 1e-6,
+        "position_prior_m_sqrt_s": 5e-4,
     }
 
 
@@ -84,10 +91,12 @@ def _stated_scene(seeds: Sequence[int], noise_sd: Float) -> tuple[ImuChunk, Floa
         gain = _GAIN_SD * generator.normal(size=(_AXES, _AXES))
         bias = np.radians(_BIAS_SD_DEGPS) * generator.normal(size=_AXES)
         iron = 0.3 * generator.normal(size=_AXES)
+        offset = _OFFSET_SD_MPS2 * generator.normal(size=_AXES)
+        gravity = GRAVITY_MPS2 + _GRAVITY_SD_MPS2 * generator.normal()
         # A sample is the mean over its interval: force as it was half a step earlier; the field comes late.
         half = rotation.multiply(q, rotation.exp(-0.5 * _STEP_S * rate))
         late = rotation.multiply(q, rotation.exp(-_DELAY_SD_S * generator.normal() * rate))
-        force = rotation.rotate(rotation.conjugate(half), np.array([0.0, 0.0, GRAVITY_MPS2]))
+        force = rotation.rotate(rotation.conjugate(half), np.array([0.0, 0.0, gravity])) + offset
         field = rotation.rotate(rotation.conjugate(late), _EARTH_FIELD_UT) + iron
         noise = noise_sd[:, None, None] * generator.normal(size=(_AXES, ticks, _AXES))
         parts.append(

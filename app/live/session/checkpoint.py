@@ -29,7 +29,7 @@ from estimators.pipelines import Pipeline
 
 logger = logging.getLogger(__name__)
 
-LAYOUT: Final = 3
+LAYOUT: Final = 4
 """Of `State`, and of the arrays of clock, alignment and orientation filters; to be raised with any change of them, and
 with the version of a pipeline: by it alone a worker knows what to estimate ahead (`app.scaled.worker.preparing`)."""
 _PIPELINE: Final = "pipeline."

@@ -46,14 +46,10 @@ class SmootherParameters(TelemotionParameters):
     field_noise_moving_ut_sqrt_s: float = changed(TelemotionParameters, "field_noise_moving_ut_sqrt_s", 6.5)
     field_noise_rest_ut_sqrt_s: float = changed(TelemotionParameters, "field_noise_rest_ut_sqrt_s", 4.5)
     field_scale_ut: float = changed(TelemotionParameters, "field_scale_ut", 1.0)
-    field_turn_free: float = changed(TelemotionParameters, "field_turn_free", 0.7)
     field_level_s: float = changed(TelemotionParameters, "field_level_s", 10.0)
-    gain_sigma: float = changed(TelemotionParameters, "gain_sigma", 0.01)
-    speed_noise_mps_per_sqrt_s: float = changed(TelemotionParameters, "speed_noise_mps_per_sqrt_s", 0.1)
     rate_noise_per_rate_sqrt_s: float = changed(TelemotionParameters, "rate_noise_per_rate_sqrt_s", 0.0015)
-    tilt_sigma_scale: float = changed(TelemotionParameters, "tilt_sigma_scale", 0.6)
-    heading_sigma_scale: float = changed(TelemotionParameters, "heading_sigma_scale", 0.3)
-    heading_sigma_floor_deg: float = changed(TelemotionParameters, "heading_sigma_floor_deg", 1.0)
+    wander_share: float = changed(TelemotionParameters, "wander_share", 1.0)
+    tilt_sigma_per_offset: float = changed(TelemotionParameters, "tilt_sigma_per_offset", 0.07)
 
 
 @dataclass(frozen=True)
@@ -143,7 +139,7 @@ def _smooth_sensor(
     """Smooth a chunk of one sensor."""
     filter_names = set(asdict(TelemotionParameters()))
     # The filter's covariance before the first sample is the prior of the smoother too.
-    own = {"gain_sigma": p.gain_sigma} | {name: given[name] for name in given if name in filter_names}
+    own = {name: given[name] for name in given if name in filter_names}
     own["output_lead_s"] = 0.0
     estimator = TelemotionEstimator(1, chunk.time_step_s, own)
     estimator.set_device_constants([known])

@@ -23,6 +23,7 @@ from estimators.orientation.telemotion._records import (
     FIELD,
     GAIN,
     IRON,
+    OFFSET,
     POSITION,
     SETTINGS,
     START,
@@ -30,6 +31,7 @@ from estimators.orientation.telemotion._records import (
     SUMS,
     TURN,
     VELOCITY,
+    WEIGHT,
 )
 from estimators.recording import Float
 
@@ -106,12 +108,15 @@ def _carry(error: Float, sums: Record, gravity: float, ticks: float, step_s: flo
     for a in range(3):
         error[POSITION + a] += time_s * (error[VELOCITY + a] + 0.5 * push[a])
         error[VELOCITY + a] += push[a] + bent[a]
+        for c in range(3):
+            error[VELOCITY + a] -= step_s * sums.sum_rotation[3 * a + c] * error[OFFSET + c]
         turned = 0.0
         for c in range(3):
             turned -= sums.sum_rotation[3 * a + c] * error[BIAS + c]
         for c in range(9):
             turned += sums.sum_gain[9 * a + c] * error[GAIN + c]
         error[TURN + a] += step_s * turned
+    error[VELOCITY + 2] -= time_s * error[WEIGHT]
 
 
 @step()
@@ -127,6 +132,11 @@ def _carry_back(table: Float, first: int, sums: Record, ticks: float, step_s: fl
         for c in range(9):
             table[gain + c] += sums.sum_gain[9 * a + c] * scaled
     vx, vy, vz = table[first + VELOCITY], table[first + VELOCITY + 1], table[first + VELOCITY + 2]
+    for a in range(3):
+        pushed = step_s * table[first + VELOCITY + a]
+        for c in range(3):
+            table[first + OFFSET + c] -= sums.sum_rotation[3 * a + c] * pushed
+    table[first + WEIGHT] -= time_s * vz
     for a in range(3):
         table[first + VELOCITY + a] += time_s * table[first + POSITION + a]
     table[turn] += sy * vz - sz * vy

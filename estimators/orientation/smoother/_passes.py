@@ -27,11 +27,15 @@ from estimators.orientation.telemotion import _records as at
 from estimators.recording import Float
 
 _DISTURBED = 8.0
+_GRADED = ((at.OFFSET, 3, 0.1), (at.START, 3, 1.0))
+"""States whose spread is learnt: first, count, and what is usual, which counts as one more of them."""
 _WORST_LEVEL = 10.0
 _LARGEST_MISFIT = 100.0
 _PLACE_VARIANCE = 0.01
 _LEAST_VARIANCE = 1e-12
 _LEAST_FIELD = 1e-9
+_PARTS = 4
+"""Of a session: a residual that differs between them does not average out."""
 
 
 class SensorPasses:
@@ -82,6 +86,7 @@ class SensorPasses:
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
         self._share = np.ones(len(session.facts))
+        self._wander = 0.0
         self.log_likelihood, self.largest_gain, self.field_blocks = -math.inf, 0.0, 0
         self._rests = Rests(session.facts, settings)
         self._bias_variance = np.full(len(session.facts), np.inf)
@@ -115,13 +120,14 @@ class SensorPasses:
             nominal,
             error,
             p,
-            self._session.gravity,
+            nominal[at.WEIGHT],
             self._settings,
             means,
             covariances,
             retained,
         )
         self._bias_variance = self._rests.known(covariances, p)
+        self._found = p.reshape(at.STATES, at.STATES).diagonal().copy()
         seen = facts["field_variance"] > 0.0
         raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
         self._weigh(retained[seen, GROUPS - 1], facts["field_variance"][seen] / raised)
@@ -142,9 +148,17 @@ class SensorPasses:
         )
         first = start - start_variance @ adjoint
         self._move(smooth, first, facts, q_open)
+        self._grade()
         if last:
             self._variances = variances
             self.final_variance = np.maximum(p.reshape(at.STATES, at.STATES).diagonal(), _LEAST_VARIANCE)
+
+    def _grade(self) -> None:
+        """Learn how large errors of this device are: the spread of its prior, by expectation maximization."""
+        for first, count, usual in _GRADED:
+            span = slice(first, first + count)
+            squares = (self.nominal[span] - self._prior[span]) ** 2 + self._found[span]
+            self._variance[span] = (usual**2 + squares.sum()) / (1.0 + count)
 
     def _weigh(self, retained: Float, least_variance: Float) -> None:
         """Set how likely the field was, from what `forward` keeps: innovation and one, over variance.
@@ -196,6 +210,8 @@ class SensorPasses:
         noise *= self._share
         noise += facts["share"] * (self._settings["field_noise_start"] - noise)
         variance = noise**2 / time_s * (1.0 + np.maximum(self._misfit, self._level))
+        left = seen & (facts["share"] < 0.5)
+        self._wander = _wander(residual[left], 1.0 / variance[left])
         return np.where(seen, variance, 0.0)
 
     def _quiet(
@@ -261,11 +277,16 @@ class SensorPasses:
         tilt = (
             settings["tilt_scale"] * np.maximum(self._variances[:, [TURN_X, TURN_Y]], 0.0)
             + settings["tilt_floor"]
+            + settings["uneven"]
+            * (self.nominal[at.OFFSET : at.OFFSET + 3] ** 2).sum()
+            / self.nominal[at.WEIGHT] ** 2
         )
         level = 1.0 + np.minimum(self._level, _WORST_LEVEL)
         own = np.maximum(self._variances[:, TURN_NORTH], 0.0) * (
             settings["heading_scale"] if self.has_field else 1.0
         )
+        north = max(self.nominal[at.FIELD] ** 2 + self.nominal[at.FIELD + 1] ** 2, at.LEAST_LEVEL)
+        own += settings["wander_share"] * self._wander / north
         heading = np.sqrt(own + settings["heading_floor"] * level * self._share**2)
         blocks = np.column_stack((np.sqrt(tilt), np.minimum(heading, math.pi)))
         ends = (np.arange(len(blocks)) + 1) * self._block_ticks - 1
@@ -292,8 +313,18 @@ class SensorPasses:
         return np.asarray(retained, dtype=np.uint8)
 
 
+def _wander(residual: Float, weight: Float) -> float:
+    """Return the mean square, a component, of the means of quarters of the session: what does not average out."""
+    squares = total = 0.0
+    for part, own in zip(np.array_split(residual, _PARTS), np.array_split(weight, _PARTS), strict=True):
+        if len(part) > 0:
+            squares += own.sum() * float((np.average(part, axis=0, weights=own) ** 2).mean())
+            total += own.sum()
+    return squares / total if total > 0.0 else 0.0
+
+
 def _level(misfit: Float, time_s: Float, time_constant_s: float, begun: float = 0.0) -> Float:
-    """Return the larger of the exponential means of the misfit before and after each block."""
+    """Return the mean of the exponential means of the misfit before and after each block."""
     gain = -np.expm1(-time_s / time_constant_s)
     ways = []
     for order in (slice(None), slice(None, None, -1)):

@@ -20,6 +20,8 @@ _LOST_RATE = 1.0
 """Rate error, rad/s, over a gap that is too long to be filled."""
 _LARGEST_TURN = 1.0
 _UNSEEN_S, _MEAN_SHARE = 0.1, 0.15
+_FALLS = 0.5 * GRAVITY_MPS2
+"""Mean specific force below which a sensor falls: it does not stay near one place."""
 _REST_MEAN_RATE = np.deg2rad(3.0)
 
 
@@ -48,7 +50,6 @@ class SensorSession:
     facts: NDArray[np.void]
     turn_variance: Float
     speed_variance: Float
-    gravity: float
 
 
 def prepare(
@@ -97,25 +98,25 @@ def prepare(
             turn_variance[after // block_ticks] += turn
             speed_variance[after // block_ticks] += speed
     edges = np.arange(blocks) * block_ticks
+    lengths = np.diff(np.append(edges, stop - first))
     cut_off = _growth(samples["saturated"] > 0, settings)
     largest = np.abs(samples["rate"]).max(axis=1)
     unseen = np.maximum(settings["clip_rate"], (CLIP_SHARE * largest) ** 2)
     turn_variance += np.add.reduceat(unseen * cut_off, edges)[:, None]
     speed_variance += settings["clip_force"] * np.add.reduceat(cut_off, edges)[:, None]
+    falls = np.linalg.norm(np.add.reduceat(samples["force"], edges), axis=1) < _FALLS * lengths
+    speed_variance[falls] += (GRAVITY_MPS2 * lengths[falls, None] * settings["step_s"]) ** 2
     facts = np.zeros(blocks, FACTS)
     rest = _rest(samples, settings) & seen
-    lengths = np.diff(np.append(edges, stop - first))
     facts["is_at_rest"] = np.add.reduceat(rest, edges) == lengths
+    speed_variance[np.flatnonzero(np.diff(facts["is_at_rest"]) < 0.0) + 1] += settings["leaving_speed"]
     facts["rate"] = np.add.reduceat(samples["rate"], edges) / lengths[:, None]
     leaving = np.where(
         facts["is_at_rest"] > 0, 0.0, lengths * settings["step_s"] / settings["start_leaving_s"]
     )
     share = np.exp(-np.cumsum(leaving))
     facts["share"] = np.where(share > 1e-6, share, 0.0)
-    gravity = GRAVITY_MPS2
-    if rest.any():
-        gravity = float(np.median(np.linalg.norm(samples["force"][rest], axis=1)))
-    return SensorSession(first, stop, samples, seen, facts, turn_variance, speed_variance, gravity)
+    return SensorSession(first, stop, samples, seen, facts, turn_variance, speed_variance)
 
 
 def turn_back(live: OrientationResult, chunk: ImuChunk, usable: NDArray[np.bool_], gain: Float) -> None:

@@ -7,7 +7,16 @@ from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized
 from estimators.kernels import VOID, Record, rows
-from estimators.orientation.telemotion._records import BIAS, DELAY, GAIN, SAMPLE, SETTINGS, STATE, SUMS
+from estimators.orientation.telemotion._records import (
+    BIAS,
+    DELAY,
+    GAIN,
+    OFFSET,
+    SAMPLE,
+    SETTINGS,
+    STATE,
+    SUMS,
+)
 from estimators.orientation.telemotion._samples import clear_sums, integrate
 from estimators.recording import Float
 
@@ -52,6 +61,7 @@ def sweep(
     x.bias[:] = constants[BIAS : BIAS + 3]
     x.gain[:] = constants[GAIN : GAIN + 9]
     x.delay = constants[DELAY]
+    x.force_offset[:] = constants[OFFSET : OFFSET + 3]
     for block in range(q_ends.shape[0]):
         clear_sums(sums[block])
         x.iron[:] = iron[block]

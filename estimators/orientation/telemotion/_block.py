@@ -1,7 +1,5 @@
 """The Kalman filter of our own estimator, once a block: prediction, and what the block measured."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,11 +11,13 @@ from estimators.orientation.telemotion._records import (
     FIELD,
     GAIN,
     IRON,
+    OFFSET,
     POSITION,
     START,
     STATES,
     TURN,
     VELOCITY,
+    WEIGHT,
 )
 from estimators.orientation.telemotion._samples import rest_variance
 from estimators.recording import Float
@@ -31,8 +31,6 @@ INNOVATION, VARIANCE, ERROR, BEFORE, ROWS = 3, 4, 5, 6, 7
 shown before there."""
 _FIRST, _SECOND, _FIELD, _DELAY, _IRON, _START, ENTRIES = 0, 1, 2, 3, 4, 7, 8
 """Entries of the row of one component of the field: two of the turn, one each, hard iron's three, the start."""
-_GRAVITY_AVERAGE = 70.0
-"""Blocks at rest over which the norm of gravity is averaged at most."""
 
 
 @borrowing()
@@ -58,12 +56,15 @@ def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
         x = -step_s * sums.sum_rotation[c]
         y = -step_s * sums.sum_rotation[3 + c]
         z = -step_s * sums.sum_rotation[6 + c]
-        row = STATES * (BIAS + c)
+        row, offset = STATES * (BIAS + c), STATES * (OFFSET + c)
         for j in range(STATES):
-            source = p[row + j]
+            source, pushed = p[row + j], p[offset + j]
             p[_T0 + j] += x * source
             p[_T1 + j] += y * source
             p[_T2 + j] += z * source
+            p[_V0 + j] += x * pushed
+            p[_V1 + j] += y * pushed
+            p[_V2 + j] += z * pushed
     for c in range(9):
         x = step_s * sums.sum_gain[c]
         y = step_s * sums.sum_gain[9 + c]
@@ -74,6 +75,8 @@ def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
             p[_T0 + j] += x * source
             p[_T1 + j] += y * source
             p[_T2 + j] += z * source
+    for j in range(STATES):
+        p[_V2 + j] -= time_s * p[STATES * WEIGHT + j]
     # Of these rows only what stands above the diagonal: the rest is copied from there.
     for i in range(BIAS):
         row = STATES * i
@@ -84,7 +87,12 @@ def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
         tx, ty, tz = p[row + TURN], p[row + TURN + 1], p[row + TURN + 2]
         p[row + VELOCITY] += sz * ty - sy * tz
         p[row + VELOCITY + 1] += sx * tz - sz * tx
-        p[row + VELOCITY + 2] += sy * tx - sx * ty
+        p[row + VELOCITY + 2] += sy * tx - sx * ty - time_s * p[row + WEIGHT]
+        for a in range(3):
+            total = 0.0
+            for c in range(3):
+                total += sums.sum_rotation[3 * a + c] * p[row + OFFSET + c]
+            p[row + VELOCITY + a] -= step_s * total
         if i >= VELOCITY:
             continue
         for a in range(3):
@@ -167,12 +175,8 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
 
 @borrowing()
 def move(memory: Record, settings: Record, ticks: float) -> None:
-    """Carry nominal velocity and position; at rest learn the norm of gravity."""
+    """Carry nominal velocity and position."""
     time_s = ticks * settings.step_s
-    if memory.rest_s > 1.0:
-        norm = math.sqrt(memory.mean_force[0] ** 2 + memory.mean_force[1] ** 2 + memory.mean_force[2] ** 2)
-        memory.gravity_count = min(memory.gravity_count + 1.0, _GRAVITY_AVERAGE)
-        memory.gravity += (norm - memory.gravity) / memory.gravity_count
     for a in range(3):
         change = memory.sum_force[a]
         if a == 2:
@@ -195,6 +199,10 @@ def hold_place(
 ) -> None:
     """Weigh specific force: the sensor stays near one place; at rest, neither moves nor turns (5.5, 5.8)."""
     time_s = ticks * settings.step_s
+    if memory.rested and not rest:
+        for a in range(3):
+            p[_DIAGONAL * (VELOCITY + a)] += settings.leaving_speed
+    memory.rested = rest
     for a in range(3):
         index[a, 0], value[a, 0] = POSITION + a, 1.0
         rows[INNOVATION, a], rows[VARIANCE, a] = -memory.position[a], settings.position_prior / time_s
@@ -264,8 +272,10 @@ def inject(memory: Record, error: Float) -> None:
         memory.field[a] += error[FIELD + a]
         memory.iron[a] += error[IRON + a]
         memory.start[a] += error[START + a]
+        memory.force_offset[a] += error[OFFSET + a]
     for i in range(9):
         memory.gain[i] += error[GAIN + i]
     memory.delay += error[DELAY]
+    memory.gravity += error[WEIGHT]
     for i in range(STATES):
         error[i] = 0.0

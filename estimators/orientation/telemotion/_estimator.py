@@ -31,9 +31,9 @@ _GAIN_AGEING, _DELAY_AGEING_S, _IRON_AGEING_UT = 0.003, 0.002, 0.5
 
 
 class TelemotionEstimator(RecordEstimator):
-    """Error-state filter that also learns gyroscope gain, magnetometer delay, hard iron and the room's field.
+    """Error-state filter that also learns the sensors' offsets and gains, magnetometer delay, hard iron and room field.
 
-    Each sample turns the attitude; every `block_s` a Kalman filter of 31 states corrects it, and corrections
+    Each sample turns the attitude; every `block_s` a Kalman filter of 35 states corrects it, and corrections
     enter the output gradually (`return_*`), so that it never jumps faster than the stated rate except where a
     heading is found for the first time or after a gap longer than `coast_s` (CONVERGING). Inside shorter gaps,
     MISSING or BRIDGED, the output runs on; once over, they are filled again from the samples around them.
@@ -43,7 +43,7 @@ class TelemotionEstimator(RecordEstimator):
     """
 
     name: ClassVar[str] = "telemotion"
-    version: ClassVar[str] = "9"
+    version: ClassVar[str] = "10"
     title: ClassVar[str] = "Telemotion"
     description: ClassVar[str] = (
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."
@@ -66,8 +66,11 @@ class TelemotionEstimator(RecordEstimator):
         self._set_variance(at.IRON, 3, p.iron_wide_ut**2)
         self._set_variance(at.DELAY, 1, p.delay_sigma_s**2)
         self._set_variance(at.START, 3, p.start_wide_ut**2)
+        self._set_variance(at.OFFSET, 3, p.force_offset_sigma_mps2**2)
+        self._set_variance(at.WEIGHT, 1, p.gravity_sigma_mps2**2)
         x = self._state
         x["gravity"] = GRAVITY_MPS2
+        x["gains_settled"] = p.gain_narrow >= p.gain_sigma
         x["quiet"] = p.quiet_ut**2
         x["rest_sway"] = _SWAY_RADPS**2
         x["clip_level"] = np.inf
@@ -124,6 +127,7 @@ class TelemotionEstimator(RecordEstimator):
             gain_variance = known.array("gyroscope_gain_sigma").T.ravel() ** 2 + _GAIN_AGEING**2
             for i, variance in enumerate(np.minimum(gain_variance, p.gain_sigma**2)):
                 covariance[at.GAIN + i, at.GAIN + i] = variance
+            memory["gains_settled"] = 1  # the hypotheses are on devices of which nothing is known
             for kind, clip in enumerate((known.gyroscope_clip_radps, known.accelerometer_clip_mps2)):
                 if clip is not None:
                     memory["clip_level"][kind] = memory["largest"][kind] = clip
@@ -134,7 +138,9 @@ class TelemotionEstimator(RecordEstimator):
         x = self._state
         turn = np.zeros((len(x), 3))
         parts = [x[name] for name in ("velocity", "position", "bias", "gain", "field", "iron")]
-        return np.hstack([turn, *parts, x["delay"][:, None], x["start"]])
+        return np.hstack(
+            [turn, *parts, x["delay"][:, None], x["start"], x["force_offset"], x["gravity"][:, None]]
+        )
 
     @property
     def hypothesis_odds(self) -> Float:

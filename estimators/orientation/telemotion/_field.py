@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators._kernels import Scalars3, multiply, normalized, wrapped
 from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._block import INNOVATION, VARIANCE, absorb
-from estimators.orientation.telemotion._records import FIELD, IRON, START, STATES, TURN
+from estimators.orientation.telemotion._records import FIELD, IRON, LEAST_LEVEL, START, STATES, TURN
 from estimators.recording import Float
 
 _OWN_UNCERTAINTY = 0.5
@@ -38,20 +38,45 @@ WORK = _FOUND + _RESULTS * HYPOTHESES
 
 
 @borrowing()
+def _doubt_field(p: Float, memory: Record, settings: Record, slow: float, time_s: float) -> None:
+    """Learn how far the field wanders from its mean, of its `slow` squared residual; doubt a young mean as it grows.
+
+    In the first seconds of movement nothing contradicts the field that is met: heading and iron follow it. Where it
+    then turns out to wander, what those seconds said of it is worth no more than one place of many.
+    """
+    gain = -math.expm1(-time_s / settings.wander_level_s)
+    memory.wander += gain * (min(slow / 3.0, _LARGEST_MISFIT) - memory.wander)
+    grown = memory.wander - memory.wander_doubted
+    if grown > 0.0:
+        memory.wander_doubted = memory.wander
+        grown *= settings.wander_doubt * math.exp(-((memory.moved_s / settings.wander_doubt_s) ** 2))
+        for a in range(3):
+            p[(STATES + 1) * (FIELD + a)] += grown
+
+
+@borrowing()
 def field_variance(p: Float, memory: Record, settings: Record, time_s: float, rest: bool) -> float:
     """Weigh the block's field by its residual, now and of late; return the variance of each component.
 
     The residual is held against `FIELD_SCALE` and a share of what the filter itself does not know.
     """
     per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
-    if not rest:
+    if memory.rest_s == 0.0:
         memory.start_share *= math.exp(-time_s / settings.start_leaving_s)
         if memory.start_share < 1e-6:
             memory.start_share = 0.0
     share = memory.start_share
-    squares = predicted = 0.0
+    if not rest and share < 0.5:
+        memory.moved_s += time_s
+    squares = predicted = slow = 0.0
+    seen = 0.0
+    if memory.moved_s > settings.wander_begin_s:
+        seen = -math.expm1(-time_s / settings.wander_s)
     for a in range(3):
-        squares += (memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]) ** 2
+        residual = memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]
+        squares += residual * residual
+        memory.slow_residual[a] += seen * (residual - memory.slow_residual[a])
+        slow += memory.slow_residual[a] ** 2
         field, iron, start = STATES * (FIELD + a), STATES * (IRON + a), STATES * (START + a)
         predicted += p[field + FIELD + a] + p[iron + IRON + a]
         predicted += share * (share * p[start + START + a] + 2.0 * p[field + START + a])
@@ -67,10 +92,8 @@ def field_variance(p: Float, memory: Record, settings: Record, time_s: float, re
     if not rest and share < 0.5:
         seen = -math.expm1(-time_s / settings.quiet_s)
         memory.quiet += seen * (min(0.5 * (squares - turned), _LARGEST_MISFIT) - memory.quiet)
+    _doubt_field(p, memory, settings, slow, time_s)
     squares -= settings.turn_free * turned
-    if not rest and share < 0.5:
-        seen = -math.expm1(-time_s / settings.region_s)
-        memory.region += seen * (min(squares / 3.0, _LARGEST_MISFIT) - memory.region)
     misfit = squares / (3.0 * settings.field_scale + _OWN_UNCERTAINTY * max(predicted, 0.0))
     gain = -math.expm1(-time_s / settings.field_level_s)
     memory.disturbance += gain * (min(misfit, _LARGEST_MISFIT) - memory.disturbance)
@@ -173,6 +196,9 @@ def open_iron(
     for a in range(3):
         p[(STATES + 1) * (IRON + a)] += settings.iron_wide
     memory.opened += 1
+    memory.wander = 0.0  # what did not fit was the magnet's
+    for a in range(3):
+        memory.slow_residual[a] = 0.0
 
 
 @borrowing("int64(int64)")
@@ -234,7 +260,7 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
     one filter holds every hypothesis exactly, and a wrong first belief (a magnet on the sensor, iron under
     the table) costs nothing once turning has shown it.
     """
-    region = settings.region_base + settings.region_share * memory.region
+    region = settings.region_base + settings.region_share * memory.wander
     found = work[_FOUND:].reshape(_RESULTS, HYPOTHESES)
     for i in range(_SUB):
         source = STATES * _moved_state(i)
@@ -321,7 +347,8 @@ def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Fl
     variance = scale * own_variance / counted
     for h in range(_STARTS * kinds):
         variance += odds[h] * wrapped(found[_HEADING, h] - heading) ** 2
-    memory.heading_variance = variance
+    level = max(memory.field[0] ** 2 + memory.field[1] ** 2, LEAST_LEVEL)
+    memory.heading_variance = variance + settings.wander_share * memory.wander / level
     # The small tilt of the hypotheses first, then the turn to north.
     w, x, y, z = multiply(
         math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading), 1.0, 0.5 * tilt_x, 0.5 * tilt_y, 0.0

@@ -30,6 +30,7 @@ from estimators.orientation.telemotion._field import (
     restless,
 )
 from estimators.orientation.telemotion._first_field import doubt, outlasted
+from estimators.orientation.telemotion._gains import settle_gains
 from estimators.orientation.telemotion._gaps import (
     after_gap,
     coast,
@@ -117,23 +118,26 @@ def end_block(
         if found:
             variance = field_variance(p, memory, settings, time_s, rest)
             see_field(p, error, rows, memory, index, value, variance)
+    blocks = (tick + 1) // int(settings.block_ticks)
+    judged = blocks % int(settings.hypothesis_blocks) == 0
+    if judged and memory.gains_settled == 0:
+        settle_gains(p, error, rows, memory, index, value, settings, work)
     off = contradiction(p, memory, error, settings, time_s)
     inject(memory, error)
     if off > 0.0:
         start_over(p, memory, settings, off)
-    blocks = (tick + 1) // int(settings.block_ticks)
-    if memory.field_known and (blocks % int(settings.hypothesis_blocks) == 0 or met):
+    if memory.field_known and (judged or met):
         find_north(p, memory, settings, odds, work)
         memory.heading_variance += doubt(memory)
     if memory.field_known == 0:
         memory.heading_variance = p[2 * (STATES + 1)] + (_UNKNOWN if memory.field_count > 0 else 0.0)
     cosine = memory.correction[0] ** 2 - memory.correction[3] ** 2
     sine = 2.0 * memory.correction[0] * memory.correction[3]
-    mixed = 2.0 * sine * cosine * p[1]
     across, along = p[0], p[STATES + 1]
     scale = settings.tilt_scale
     if young(memory, settings):  # what a start leaves open is no correlated noise
         scale = 1.0
+    mixed = 2.0 * sine * cosine * p[1]
     memory.tilt_variance[0] = scale * (cosine**2 * across + sine**2 * along - mixed)
     memory.tilt_variance[1] = scale * (sine**2 * across + cosine**2 * along + mixed)
     clear_sums(memory)
@@ -320,10 +324,14 @@ def follow(
             if not measured:
                 flag |= _BRIDGED
         level = 1.0 + min(memory.disturbance, _WORST_LEVEL)
+        uneven = 0.0
+        for a in range(3):
+            uneven += memory.force_offset[a] ** 2
+        uneven *= settings.uneven / memory.gravity**2
         for a in range(3):
             variance = added + memory.offset[a] ** 2
             if a < 2:
-                variance += memory.tilt_variance[a] + settings.tilt_floor
+                variance += memory.tilt_variance[a] + settings.tilt_floor + uneven
             else:
                 variance += memory.heading_variance + settings.heading_floor * level
             out.sigma_rad[s, k, a] = min(math.sqrt(max(variance, 1e-12)), math.pi)

@@ -15,7 +15,8 @@ _MICROTESLA = 1e6
 _SAME = 1e-6
 _NEAR_CLIP = 1e-3
 _CLIP_SAMPLES = 6
-_LEAST_RANGE = (4.0, 18.0)
+_EDGE = 0.02
+_LEAST_RANGE = (0.5, 18.0)
 """Smaller values, rad/s and m/s^2, are no device's limit: the smallest ranges are 245 deg/s and 2 g."""
 
 
@@ -75,14 +76,18 @@ def at_clip(memory: Record, largest: float, kind: int) -> bool:
     """
     known = memory.largest[kind]
     if largest > known * (1.0 + _SAME):
+        near = memory.near_largest[kind] + memory.at_largest[kind]
+        memory.near_largest[kind] = near if largest < known * (1.0 + _EDGE) else 0
         memory.largest[kind] = largest
         memory.at_largest[kind] = 1
         if largest > memory.clip_level[kind] * (1.0 + _NEAR_CLIP):
             memory.clip_level[kind] = np.inf
     elif largest > known * (1.0 - _SAME):
         memory.at_largest[kind] += 1
-        if memory.at_largest[kind] >= _CLIP_SAMPLES:
+        if memory.at_largest[kind] >= max(_CLIP_SAMPLES, memory.near_largest[kind]):
             memory.clip_level[kind] = known
+    elif largest > known * (1.0 - _EDGE):
+        memory.near_largest[kind] += 1
     return bool(largest >= memory.clip_level[kind] * (1.0 - _NEAR_CLIP))
 
 

@@ -41,21 +41,33 @@ class TelemotionParameters:
     tilt_restart_sigma_deg: float = parameter(3.0, "deg", "tilt at another start")
     heading_restart_sigma_deg: float = parameter(10.0, "deg", "heading found again by the known field")
     speed_start_sigma_mps: float = parameter(0.5, "m/s", "speed at a start")
-    bias_start_sigma_degps: float = parameter(1.0, "deg/s", "gyroscope bias before any calibration")
+    bias_start_sigma_degps: float = parameter(2.0, "deg/s", "gyroscope bias before any calibration")
     bias_drift_degps_per_sqrt_s: float = parameter(0.03, "deg/s/sqrt(s)", "random walk of the gyroscope bias")
-    gain_sigma: float = parameter(0.005, "", "spread of scale and axis errors of devices")
+    gain_sigma: float = parameter(
+        0.01, "", "spread of scale and axis errors of devices as they are delivered"
+    )
+    gain_narrow: float = parameter(
+        0.003, "", "the same of good devices, believed once turning has shown it", above=0.0
+    )
     rate_noise_deg_per_sqrt_s: float = parameter(
         0.02, "deg/sqrt(s)", "what integrates of the rate without being seen"
     )
     rate_noise_per_rate_sqrt_s: float = parameter(
         0.002, "sqrt(s)", "the same as a share of the rate: errors of scale that change"
     )
+    leaving_speed_sigma_mps: float = parameter(0.3, "m/s", "with which somebody leaves a place of rest")
     speed_noise_mps_per_sqrt_s: float = parameter(
         0.1, "m/s/sqrt(s)", 'all that bends "the sensor stays near one place"'
     )
     position_noise_m_per_sqrt_s: float = parameter(0.01, "m/sqrt(s)", "random walk of the place")
     position_prior_m_sqrt_s: float = parameter(
         0.6, "m sqrt(s)", "how near one place the sensor stays", above=0.0
+    )
+    force_offset_sigma_mps2: float = parameter(
+        0.2, "m/s^2", "offset of the accelerometer of devices as they are delivered", above=0.0
+    )
+    gravity_sigma_mps2: float = parameter(
+        0.2, "m/s^2", "of gravity as the accelerometer shows it: its scale", above=0.0
     )
     rest_gyroscope_threshold_degps: float = parameter(2.0, "deg/s", "deviation of the rate that is no rest")
     rest_accelerometer_threshold_mps2: float = parameter(
@@ -102,9 +114,24 @@ class TelemotionParameters:
     quiet_s: float = parameter(10.0, "s", "over which that fit is seen", above=0.0)
     quiet_least: float = parameter(0.1, "", "share of the noise that it falls to")
     region_ut: float = parameter(0.7, "uT", "by which the mean field of the surroundings is off north")
-    region_share: float = parameter(0.3, "", "the same as a share of the mean squared residual")
-    region_s: float = parameter(30.0, "s", "over which that residual is seen")
-    start_leaving_s: float = parameter(1.0, "s", "of movement in which the start place is left", above=0.0)
+    region_share: float = parameter(
+        0.3, "", "the same as a share of the mean square by which the field wanders"
+    )
+    wander_s: float = parameter(
+        5.0, "s", "over which a residual of the field is averaged: what is left wanders", above=0.0
+    )
+    wander_level_s: float = parameter(30.0, "s", "over which its mean square is seen", above=0.0)
+    wander_share: float = parameter(0.7, "", "of its mean square that the field may be off north")
+    wander_begin_s: float = parameter(
+        4.0, "s", "of movement in which hard iron and start place are found: before, nothing wanders"
+    )
+    wander_doubt: float = parameter(
+        2.0, "", "of its growth that makes the field uncertain again: what was seen before wandered too"
+    )
+    wander_doubt_s: float = parameter(
+        12.0, "s", "of movement after which the field before is taken to have been calm", above=0.0
+    )
+    start_leaving_s: float = parameter(2.0, "s", "of movement in which the start place is left", above=0.0)
     iron_window_s: float = parameter(
         2.0, "s", "in which a residual that stays in the turning sensor is a new hard iron", above=0.0
     )
@@ -137,11 +164,14 @@ class TelemotionParameters:
     )
     acceleration_tolerance_mps2: float = parameter(2.0, "m/s^2", "force off gravity that is flagged")
     tilt_sigma_scale: float = parameter(
-        0.4, "", "from the covariance, whose noises stand for correlated errors, to the stated tilt"
+        0.5, "", "from the covariance, whose noises stand for correlated errors, to the stated tilt"
     )
-    heading_sigma_scale: float = parameter(0.25, "", "the same of the heading")
+    heading_sigma_scale: float = parameter(0.3, "", "the same of the heading")
     tilt_sigma_floor_deg: float = parameter(
         0.35, "deg", "what no sensor shows of the tilt: errors of the accelerometer"
+    )
+    tilt_sigma_per_offset: float = parameter(
+        0.25, "", "share of the accelerometer's offset by which its other errors are taken to tilt it"
     )
     heading_sigma_floor_deg: float = parameter(
         1.0, "deg", "the same of the heading: how far the field of a room points from that around it"
@@ -183,6 +213,7 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "bias_drift": math.radians(p.bias_drift_degps_per_sqrt_s) ** 2,
         "rate_noise": math.radians(p.rate_noise_deg_per_sqrt_s) ** 2,
         "rate_noise_per_rate": p.rate_noise_per_rate_sqrt_s**2,
+        "leaving_speed": p.leaving_speed_sigma_mps**2,
         "speed_noise": p.speed_noise_mps_per_sqrt_s**2,
         "position_noise": p.position_noise_m_per_sqrt_s**2,
         "position_prior": p.position_prior_m_sqrt_s**2,
@@ -220,6 +251,7 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "tilt_scale": p.tilt_sigma_scale**2,
         "heading_scale": p.heading_sigma_scale**2,
         "tilt_floor": math.radians(p.tilt_sigma_floor_deg) ** 2,
+        "uneven": p.tilt_sigma_per_offset**2,
         "heading_floor": math.radians(p.heading_sigma_floor_deg) ** 2,
         "heading_lost": math.radians(p.heading_lost_sigma_deg),
         "steady_change": p.steady_change_ut**2,
@@ -227,7 +259,12 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "field_same_s": p.field_same_s,
         "region_base": p.region_ut**2,
         "region_share": p.region_share,
-        "region_s": p.region_s,
+        "wander_level_s": p.wander_level_s,
+        "wander_s": p.wander_s,
+        "wander_share": p.wander_share,
+        "wander_doubt": p.wander_doubt,
+        "wander_begin_s": p.wander_begin_s,
+        "wander_doubt_s": p.wander_doubt_s,
         "turn_free": p.field_turn_free,
         "quiet_level": p.quiet_ut**2,
         "quiet_s": p.quiet_s,
@@ -238,4 +275,6 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, fl
         "bias_start": math.radians(p.bias_start_sigma_degps) ** 2,
         "up_window_s": p.upright_window_s,
         "up_limit": math.radians(p.upright_limit_deg),
+        "gain": p.gain_sigma**2,
+        "gain_narrow": p.gain_narrow**2,
     }

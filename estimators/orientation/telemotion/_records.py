@@ -28,7 +28,13 @@ DELAY: Final = 27
 """Delay of the magnetometer against the gyroscope, s."""
 START: Final = 28
 """Field at the place of the first rest minus FIELD, microtesla."""
-STATES: Final = 31
+OFFSET: Final = 31
+"""Offset of the accelerometer in sensor axes, m/s^2."""
+WEIGHT: Final = 34
+"""What the accelerometer shows of gravity at rest, m/s^2: gravity and the common error of its scale."""
+STATES: Final = 35
+LEAST_LEVEL: Final = 9.0
+"""Squared microtesla: a field that points straight down tells no heading."""
 
 IDLE, COLLECTING, RUNNING = 0, 1, 2
 """Phases of a sensor."""
@@ -61,15 +67,16 @@ SUMS: Final = record(_SUMS)
 STATE: Final = record(
     # The nominal state, in the units of the error state.
     [("q", "f8", 4), ("gain", "f8", 9)],
-    _vectors("bias", "velocity", "position", "field", "iron", "start"),
+    _vectors("bias", "velocity", "position", "field", "iron", "start", "force_offset"),
     _floats("delay"),
     # Rest: exponential means and total variances; gravity measured at rest. Mean rate of this rest, and how far the
     # mean of half a second sways about it, squared.
     _vectors("mean_rate", "mean_force", "rest_mean"),
-    _floats("rate_spread", "force_spread", "rest_s", "gravity", "gravity_count", "rest_sway"),
+    _floats("rate_spread", "force_spread", "rest_s", "gravity", "rest_sway"),
     # Magnetic surroundings: share of `start` in the field, level of disturbance; mean squared residual of the field
     # where the sensor moves, and of a component where turning does not explain it.
-    _floats("start_share", "disturbance", "misfit", "region", "quiet"),
+    _floats("start_share", "disturbance", "misfit", "quiet", "wander", "wander_doubted", "moved_s"),
+    _vectors("slow_residual"),
     # Test for a new hard iron; the one that was known beforehand.
     _vectors("sensor_mean", "earth_mean", "iron_known"),
     _floats("sensor_spread", "earth_spread", "iron_s", "iron_known_variance"),
@@ -85,7 +92,7 @@ STATE: Final = record(
     # Odds of the nine hypotheses on hard iron and start place.
     [("odds", "f8", 9)],
     # Of rate and of force: clip level (infinite until reached), largest component so far, and how often it was seen.
-    [("clip_level", "f8", 2), ("largest", "f8", 2), ("at_largest", "i8", 2)],
+    [("clip_level", "f8", 2), ("largest", "f8", 2), ("at_largest", "i8", 2), ("near_largest", "i8", 2)],
     # First rest: raw field that was last seen steady, for how long, and whether it changed before it was trusted.
     _vectors("steady_field"),
     _floats("steady_s", "restless"),
@@ -95,14 +102,16 @@ STATE: Final = record(
     _floats("start_moving", "start_force2", "start_speed2"),
     # Whether force contradicts the tilt: its sum over the window in the start frame, and the time it holds.
     _vectors("up_sum"),
-    _floats("up_s"),
+    _floats("up_s", "up_square"),
     # First field met in movement: for how long it has fitted; another one, and for how long that has.
     _vectors("other"),
     _floats("support_s", "other_s"),
     # Number of the next tick; phase; ticks since the last measured sample; one sample has come after a gap (the next
     # gives its slope); ticks since the (re)start; consecutive saturated samples; a field was seen; hard irons found;
-    # the filter has run.
+    # the filter has run; the gains are those of a good device; the last
+    # block was at rest.
     _counts("tick", "phase", "gap", "pending", "since_start", "clipped", "field_known", "opened", "filtered"),
+    _counts("gains_settled", "rested"),
     # Last, for numba takes a record that only adds to the end of another for a kind of that one.
     _SUMS,
 )

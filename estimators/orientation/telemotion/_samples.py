@@ -115,7 +115,8 @@ def integrate(
     r20, r21, r22 = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
     rows = ((r00, r01, r02), (r10, r11, r12), (r20, r21, r22))
     half = 0.5 * step_s
-    ax, ay, az = sample.force[0], sample.force[1], sample.force[2]
+    ax, ay = sample.force[0] - memory.force_offset[0], sample.force[1] - memory.force_offset[1]
+    az = sample.force[2] - memory.force_offset[2]
     fx = step_s * (ax - half * (wy * az - wz * ay))
     fy = step_s * (ay - half * (wz * ax - wx * az))
     fz = step_s * (az - half * (wx * ay - wy * ax))
@@ -137,8 +138,7 @@ def integrate(
         my = sample.field[1] - memory.iron[1]
         mz = sample.field[2] - memory.iron[2]
         cx, cy, cz = wy * mz - wz * my, wz * mx - wx * mz, wx * my - wy * mx
-        delay = memory.delay
-        mx, my, mz = mx - delay * cx, my - delay * cy, mz - delay * cz
+        mx, my, mz = mx - memory.delay * cx, my - memory.delay * cy, mz - memory.delay * cz
         for i in range(3):
             a, b, c = rows[i]
             sums.sum_field[i] += a * mx + b * my + c * mz

@@ -9,6 +9,8 @@ from estimators.orientation.telemotion._records import (
     COLLECTING,
     DELAY,
     FIELD,
+    LEAST_LEVEL,
+    OFFSET,
     POSITION,
     RUNNING,
     STATES,
@@ -31,8 +33,6 @@ _SURE = 9.0
 _SCALE_ERROR = 0.01
 """Error of a gyroscope's scale that is taken for possible in the first second."""
 _LARGEST_TILT = 1.0
-_LEAST_LEVEL = 9.0
-"""Squared microtesla: a field that points straight down tells no heading."""
 _DIP = 4.0
 """Square by which an error of tilt turns a heading by the field, where the field is not yet known."""
 _LINEAR_HEADING = math.radians(20.0) ** 2
@@ -62,7 +62,7 @@ def begin(memory: Record, sample: Record) -> None:
     memory.phase = COLLECTING
     memory.since_start = memory.pending = 0
     memory.start_moving = memory.start_force2 = memory.start_speed2 = 0.0
-    memory.up_s = memory.support_s = memory.other_s = 0.0
+    memory.up_s = memory.up_square = memory.support_s = memory.other_s = 0.0
     for a in range(3):
         memory.start_speed[a] = memory.start_lever[a] = memory.up_sum[a] = memory.other[a] = 0.0
         memory.offset[a] = memory.velocity[a] = memory.position[a] = 0.0
@@ -92,7 +92,7 @@ def meet_field(memory: Record, p: Float, settings: Record) -> None:
 @borrowing()
 def forget_field(memory: Record, p: Float, settings: Record) -> None:
     """Give hard iron and the field at the start their priors again; FIELD is met again."""
-    for i in range(FIELD, STATES):
+    for i in range(FIELD, OFFSET):
         if i == DELAY:
             continue
         for j in range(STATES):
@@ -130,7 +130,7 @@ def _tie_heading(p: Float, memory: Record, variance: float) -> None:
     Across the field nothing was left over: h turn_z = b_z (b_x turn_x + b_y turn_y) / h, h being its horizontal part.
     """
     bx, by, bz = memory.field[0], memory.field[1], memory.field[2]
-    level = max(bx * bx + by * by, _LEAST_LEVEL)
+    level = max(bx * bx + by * by, LEAST_LEVEL)
     by_x, by_y = bz * bx / level, bz * by / level
     z = TURN + 2
     for j in range(STATES):
@@ -237,7 +237,7 @@ def collect(
     count = float(memory.count)
     for a in range(3):
         speed = memory.sum_force[a]
-        memory.start_force2 += sample.force[a] ** 2
+        memory.start_force2 += (sample.force[a] - memory.force_offset[a]) ** 2
         memory.start_speed[a] += speed
         memory.start_lever[a] += count * speed
         memory.start_speed2 += speed * speed
@@ -293,6 +293,7 @@ def collect(
     forget_motion(p, tilt, heading, speed_variance)
     if faces:
         _tie_heading(p, memory, settings.heading_restart)
+    lean(p, memory)  # after the heading: the known field was seen leaning by the same offset
     clear_sums(memory)
     memory.phase = RUNNING
     memory.filtered = 1
@@ -310,3 +311,27 @@ def forget_motion(p: Float, tilt: float, heading: float, speed: float) -> None:
         p[(STATES + 1) * (TURN + a)] = tilt if a < 2 else heading
         p[(STATES + 1) * (VELOCITY + a)] = speed
         p[(STATES + 1) * (POSITION + a)] = _PLACE_VARIANCE
+
+
+@borrowing()
+def lean(p: Float, memory: Record) -> None:
+    """Tie the tilt to the accelerometer's offset: an attitude levelled on its force leans by what is in it.
+
+    turn = (-(R offset)_y, (R offset)_x, 0) / gravity
+    """
+    w, x, y, z = memory.q[0], memory.q[1], memory.q[2], memory.q[3]
+    one = 1.0 / memory.gravity
+    r00, r01, r02 = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    r10, r11, r12 = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    by_x = (-one * r10, -one * r11, -one * r12)
+    by_y = (one * r00, one * r01, one * r02)
+    for c in range(3):
+        row = STATES * (OFFSET + c)
+        for j in range(STATES):
+            p[STATES * TURN + j] += by_x[c] * p[row + j]
+            p[STATES * (TURN + 1) + j] += by_y[c] * p[row + j]
+    for i in range(STATES):
+        row = STATES * i
+        for c in range(3):
+            p[row + TURN] += by_x[c] * p[row + OFFSET + c]
+            p[row + TURN + 1] += by_y[c] * p[row + OFFSET + c]

@@ -152,8 +152,9 @@ def test_reaches_are_found_within_their_sigma():
         off.append((found.lean.value - lean.angle_rad) / found.lean.sigma)
         assert found.displacement.value == pytest.approx(HEIGHT_M * np.sin(lean.angle_rad), abs=0.02)
         assert found.lean.value == pytest.approx(lean.angle_rad, abs=0.006)
-        # Mostly how exactly the N-pose was stood, which this person stands without error.
-        assert 0.005 < found.lean.sigma < 0.03
+        # How exactly the N-pose was stood, which this person stands without error, and what an accelerometer's offset
+        # may tilt, which this one does not have.
+        assert 0.005 < found.lean.sigma < 0.045
         assert 2.5 < found.peak_s < 4.5
     assert np.mean(np.abs(off) < 2.0) >= 0.9, off
 

@@ -131,6 +131,8 @@ def test_the_covariance_is_honest_where_the_model_is_true():
         "tilt_sigma_scale": 1.0,
         "heading_sigma_scale": 1.0,
         "tilt_sigma_floor_deg": 1e-4,
+        "tilt_sigma_per_offset": 0.0,
+        "wander_share": 0.0,
         "heading_sigma_floor_deg": 1e-4,
         "field_noise_moving_ut_sqrt_s": 0.03,
         "field_noise_rest_ut_sqrt_s": 0.03,
@@ -144,6 +146,7 @@ def test_the_covariance_is_honest_where_the_model_is_true():
         "bias_drift_degps_per_sqrt_s": 1e-5,
         "speed_noise_mps_per_sqrt_s": 0.002,
         "position_noise_m_per_sqrt_s": 1e-6,
+        "position_prior_m_sqrt_s": 5e-4,
     }
     runs, squares = 40, []
     for seed in range(runs):
@@ -153,10 +156,13 @@ def test_the_covariance_is_honest_where_the_model_is_true():
             seed=seed,
             rest_s=2.0,
             gain=0.01 * rng.normal(size=(3, 3)),
-            bias_radps=np.radians(1.0) * rng.normal(size=3),
+            bias_radps=np.radians(2.0) * rng.normal(size=3),
             delay_s=0.02 * rng.normal(),
             iron_t=0.3e-6 * rng.normal(size=3),
         )
+        chunk.accelerometer_mps2[:] = (
+            1.0 + 0.02 * rng.normal()
+        ) * chunk.accelerometer_mps2 + 0.5 * rng.normal(size=3)
         found = orientation.smooth(NAME, chunk, white).orientation
         error = rotation.log(rotation.multiply(found.q_earth_sensor[0], rotation.conjugate(q)))
         squares.append(((error / found.sigma_rad[0]) ** 2).sum(axis=1)[[600, 1000]])

@@ -68,6 +68,8 @@ class Case:
         f[turn, at.GAIN : at.GAIN + 9] = STEP_S * gain
         x, y, z = force
         f[velocity, turn] = -np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        f[velocity, at.OFFSET : at.OFFSET + 3] = f[turn, bias]
+        f[at.VELOCITY + 2, at.WEIGHT] = -time_s
         f[position, velocity] = time_s * np.eye(3)
         push = force - [0.0, 0.0, GRAVITY * time_s]
         constant[velocity], constant[position] = push, 0.5 * time_s * push
