@@ -105,6 +105,7 @@ from validation.shoes.mass_centre import (
     MASS_CENTRE,
     STROKE_GAIT,
 )
+from validation.worlds.ablation import ORIENTATION_ABLATION
 from validation.worlds.experiment import ORIENTATION_WORLDS
 
 _PROTOCOLS = (
@@ -138,6 +139,7 @@ _PROTOCOLS = (
     COVARIANCE,
     HONESTY,
     ORIENTATION_WORLDS,
+    ORIENTATION_ABLATION,
     STATIC_IRON,
     QUARTER_TURNS,
     ELBOW_FLEXION,

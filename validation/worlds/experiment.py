@@ -7,7 +7,7 @@ import numpy as np
 
 from validation.protocol import Data, Figure, Protocol, Values
 from validation.worlds.conditions import ROWS, WHOLE
-from validation.worlds.scores import METHODS, Score, scored
+from validation.worlds.scores import METHODS, Score, is_beyond, scored
 from validation.worlds.world import TUNING_SEEDS, draw, world_seed
 
 _ALL: Final = "all"
@@ -17,14 +17,10 @@ _FAR_DEG: Final = 20.0
 _INSIDE: Final = "inside the 95 % region"
 
 
-def _is_beyond(score: Score) -> bool:
-    return score.error_deg > 1.5 * score.package_deg + 0.5 or score.has_failed
-
-
 _KINDS: Final[dict[str, tuple[str, Callable[[Score], float | None]]]] = {
     "error": ("deg", lambda score: score.error_deg),
     "error of vqf": ("deg", lambda score: score.package_deg),
-    "runs beyond 1.5 vqf + 0.5 deg": ("%", lambda score: 100.0 * _is_beyond(score)),
+    "runs beyond 1.5 vqf + 0.5 deg": ("%", lambda score: 100.0 * is_beyond(score)),
     "runs above 20 deg": ("%", lambda score: 100.0 * (score.error_deg > _FAR_DEG)),
     "runs of vqf above 20 deg": ("%", lambda score: 100.0 * (score.package_deg > _FAR_DEG)),
     _INSIDE: ("%", lambda score: score.inside_percent),

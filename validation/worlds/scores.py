@@ -1,6 +1,6 @@
 """Scores of an orientation method in one world, beside those of the `vqf` package."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -49,12 +49,17 @@ class Score:
     has_failed: bool = False
 
 
-def _online(chunk: ImuChunk) -> OrientationResult:
-    return orientation.create("telemotion", chunk.sensor_count, chunk.time_step_s).update(chunk)
+def is_beyond(score: Score) -> bool:
+    """Say whether a run is worse than 1.5 times the package plus 0.5 degrees, or ended in an error."""
+    return score.error_deg > 1.5 * score.package_deg + 0.5 or score.has_failed
 
 
-def _offline(chunk: ImuChunk) -> OrientationResult:
-    return orientation.smooth("telemotion_smoother", chunk).orientation
+def _online(chunk: ImuChunk, parameters: Mapping[str, float] | None = None) -> OrientationResult:
+    return orientation.create("telemotion", chunk.sensor_count, chunk.time_step_s, parameters).update(chunk)
+
+
+def _offline(chunk: ImuChunk, parameters: Mapping[str, float] | None = None) -> OrientationResult:
+    return orientation.smooth("telemotion_smoother", chunk, parameters).orientation
 
 
 def _package_online(gyroscope: Float, force: Float, field: Float | None, step_s: float) -> Float:
@@ -68,27 +73,42 @@ def _package_offline(gyroscope: Float, force: Float, field: Float | None, step_s
 
 
 _Package = Callable[[Float, Float, Float | None, float], Float]
-METHODS: Final[dict[str, tuple[Callable[[ImuChunk], OrientationResult], _Package]]] = {
+METHODS: Final[dict[str, tuple[Callable[..., OrientationResult], _Package]]] = {
     "online": (_online, _package_online),
     "off-line": (_offline, _package_offline),
 }
 """Ours and the method of the package that it is held against."""
 
 
-def scored(world: World, method: str) -> Score:
-    """Run a method and the package in a world.
+def package_error_deg(world: World, method: str) -> float:
+    """Run the package that a method of `METHODS` is held against; return its root mean square error."""
+    ticks = _scored_ticks(world)
+    return _size_deg(_errors(world, _of_package(world.chunk, METHODS[method][1]), ticks)[ticks])
+
+
+def scored(
+    world: World,
+    method: str,
+    parameters: Mapping[str, float] | None = None,
+    package_deg: float | None = None,
+) -> Score:
+    """Run a method in a world, and the package beside it.
 
     Parameters
     ----------
     method : str
         Of `METHODS`.
+    parameters : mapping, optional
+        Of the method, where they differ from its defaults.
+    package_deg : float, optional
+        Result of `package_error_deg`; the package runs where it is not given.
     """
-    ours, package = METHODS[method]
-    ticks = world.is_measured & (np.arange(world.chunk.tick_count) * world.chunk.time_step_s >= _SETTLED_S)
-    other = _errors(world, _of_package(world.chunk, package), ticks)
-    package_deg = _size_deg(other[ticks])
+    ours, _ = METHODS[method]
+    ticks = _scored_ticks(world)
+    if package_deg is None:
+        package_deg = package_error_deg(world, method)
     try:
-        found = ours(world.chunk)
+        found = ours(world.chunk, parameters) if parameters else ours(world.chunk)
     except (EstimationError, ArithmeticError, ValueError):
         return Score(_LOST_DEG, package_deg, 0.0, None, None, has_failed=True)
     if found.sigma_rad is None or not np.isfinite(found.q_earth_sensor[0, ticks]).all():
@@ -103,6 +123,11 @@ def scored(world: World, method: str) -> Score:
         float(np.degrees(np.median(np.linalg.norm(sigma[given], axis=1)))) if given.any() else None,
         _untrusted(found.flags[0], errors, given) if world.conditions.axes == 9 else None,
     )
+
+
+def _scored_ticks(world: World) -> NDArray[np.bool_]:
+    settled = np.arange(world.chunk.tick_count) * world.chunk.time_step_s >= _SETTLED_S
+    return np.asarray(world.is_measured & settled)
 
 
 def _errors(world: World, q: Float, ticks: NDArray[np.bool_]) -> Float:
