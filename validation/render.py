@@ -96,20 +96,23 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
     data : sequence of str
         Names of the recordings that were given.
     """
-    passed = sum(result.verdict == "pass" for result in results)
-    undecided = sum(result.verdict == "open" for result in results)
+    judged = [
+        result for result in results if any(found.figure.required is not None for found in result.figures)
+    ]
+    passed = sum(result.verdict == "pass" for result in judged)
+    undecided = sum(result.verdict == "open" for result in judged)
     lines = [
         "# Accuracy",
         "",
-        f"Made by `{command}`. {passed} of {len(results)} experiments reach what is required in every figure, "
-        f"{undecided} are open, {len(results) - passed - undecided} fall short.",
+        f"Made by `{command}`. {passed} of {len(judged)} experiments reach what is required in every figure, "
+        f"{undecided} are open, {len(judged) - passed - undecided} fall short.",
         *([f"FOLDER held {', '.join(data)}."] if data else []),
         *_other_seeds(results),
         "",
         "| experiment | n | verdict | nearest to its limit (or farthest past it) | required | ours |",
         "|---|---|---|---|---|---|",
     ]
-    for result in results:
+    for result in judged:
         nearest = max((found for found in result.figures if found.figure.required is not None), key=_share)
         sign = "≤" if nearest.figure.at_most else "≥"
         unit = "" if nearest.figure.unit == "1" else f" {nearest.figure.unit}"
@@ -130,7 +133,8 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
         "a batch of seeds, the mean of the batches; of recordings, the worst or the median one. The interval has",
         "95 % confidence. A figure passes when its whole interval meets the limit, is open when the limit lies within",
         "the interval, and is short when the interval lies beyond. The worst is shown and not judged alone. Figures",
-        "without a requirement are shown for comparison. The seconds are of one core of a shared machine.",
+        "without a requirement are shown for comparison, as are experiments that have none. The seconds are of one",
+        "core of a shared machine.",
         "",
         "```",
         to_table(results),

@@ -129,6 +129,15 @@ def test_table_and_json_tell_failures():
     assert content[1]["figures"][0]["worst"] is None
 
 
+def test_an_experiment_without_a_limit_is_counted_nowhere():
+    good = run_protocol(made_up(2.0, {"x": np.array([1.0, 1.5])}), 2, {})
+    informs = run_protocol(made_up(None, {"x": np.array([1.0, 1.5])}), 2, {})
+    page = validation.to_markdown([good, informs], "telemotion validate")
+    assert "1 of 1 experiments reach" in page
+    assert page.count("| Made up (`made_up`) |") == 1
+    assert page.count("Made up [made_up]") == 2
+
+
 def test_a_protocol_must_measure_its_figures():
     with pytest.raises(KeyError, match="amiss"):
         run_protocol(made_up(1.0, {"y": np.array([1.0])}), 1, {})

@@ -14,11 +14,13 @@ from app.cli import cli
 from validation import Figure, Protocol
 
 SHORT = {
+    "broad_conditions",
     "broad_offline",
     "foot_rates_and_links",
     "guidance_cues",
     "guidance_phase",
     "magnetic_fusion_checks",
+    "orientation_covariance",
     "orientation_cuts",
     "orientation_honesty",
     "orientation_worlds",
