@@ -107,6 +107,13 @@ class OrientationEstimator(ABC):
         """
         return
 
+    def take_off_force(self, offset_mps2: Float) -> None:
+        """Expect specific force less an offset, shape (S, 3), from the next sample on: somebody takes it off.
+
+        A method that learns no offset leaves it alone.
+        """
+        return
+
     @property
     def device_constants(self) -> tuple[DeviceConstants, ...]:
         """What is known of each sensor by now, to be stored with its device; empty where the method learns none."""

@@ -15,6 +15,7 @@ Row = tuple[float, float, float]
 Table = tuple[Row, Row, Row]
 _NONE: Row = (0.0, 0.0, 0.0)
 _GAIN_UNKNOWN, _IRON_UNKNOWN_T = 0.01, 30e-6
+_OFFSET_UNKNOWN_MPS2, _SCALE_UNKNOWN = 0.2, 0.02
 _BELIEVED_SIGMAS = 4.0
 
 
@@ -34,6 +35,10 @@ class DeviceConstants:
         Sensor axes.
     gyroscope_clip_radps, accelerometer_clip_mps2 : float or None
         The largest value that the device shows; None until it was reached.
+    accelerometer_offset_mps2, accelerometer_offset_sigma_mps2 : tuple, shape (3,)
+        What it shows too much, sensor axes.
+    accelerometer_scale, accelerometer_scale_sigma : float
+        By which share it shows too much of gravity.
     """
 
     magnetometer_delay_s: float = 0.0
@@ -44,6 +49,10 @@ class DeviceConstants:
     hard_iron_sigma_t: Row = (_IRON_UNKNOWN_T,) * 3
     gyroscope_clip_radps: float | None = None
     accelerometer_clip_mps2: float | None = None
+    accelerometer_offset_mps2: Row = _NONE
+    accelerometer_offset_sigma_mps2: Row = (_OFFSET_UNKNOWN_MPS2,) * 3
+    accelerometer_scale: float = 0.0
+    accelerometer_scale_sigma: float = _SCALE_UNKNOWN
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -81,40 +90,20 @@ class DeviceConstants:
             raise ShapeError(f"{', '.join(unknown)}: no constant of a device")
         return cls(**stored)
 
-    @classmethod
-    def of_arrays(
-        cls,
-        delay_s: float,
-        delay_sigma_s: float,
-        gain: ArrayLike,
-        gain_sigma: ArrayLike,
-        hard_iron_t: ArrayLike,
-        hard_iron_sigma_t: ArrayLike,
-        clips: tuple[float, float] = (math.inf, math.inf),
+    def believed(
+        self, gain_sigma: float, delay_sigma_s: float, iron_sigma_t: float, offset_sigma_mps2: float
     ) -> "DeviceConstants":
-        """Build from arrays; `clips` of gyroscope and accelerometer are infinite where unknown."""
-        gyroscope, accelerometer = (float(clip) if math.isfinite(clip) else None for clip in clips)
-        tables = (np.asarray(v, dtype=np.float64) for v in (gain, gain_sigma, hard_iron_t, hard_iron_sigma_t))
-        plain: list[Any] = [_plain(table) for table in tables]
-        return cls(
-            float(delay_s),
-            float(delay_sigma_s),
-            plain[0],
-            plain[1],
-            plain[2],
-            plain[3],
-            gyroscope,
-            accelerometer,
-        )
-
-    def believed(self, gain_sigma: float, delay_sigma_s: float, iron_sigma_t: float) -> "DeviceConstants":
         """Return what can be true of a device, given the spread of its kind; the rest as unknown.
 
-        A gain or delay more than four sigmas out is what swapped axes or a wrong unit teach, and then the magnetic
-        part was learnt with them; hard iron that far out is a magnet that was near. Clip levels were seen as such.
+        A gain or delay more than four sigmas out is what swapped axes or a wrong unit teach, and then all else was
+        learnt with them, as it was with an offset of the accelerometer that far out; hard iron that far out is a
+        magnet that was near. Clip levels were seen as such.
         """
-        gain, delay = np.abs(self.array("gyroscope_gain")).max(), abs(self.magnetometer_delay_s)
-        if gain > _BELIEVED_SIGMAS * gain_sigma or delay > _BELIEVED_SIGMAS * delay_sigma_s:
+        if (
+            np.abs(self.array("gyroscope_gain")).max() > _BELIEVED_SIGMAS * gain_sigma
+            or abs(self.magnetometer_delay_s) > _BELIEVED_SIGMAS * delay_sigma_s
+            or np.abs(self.array("accelerometer_offset_mps2")).max() > _BELIEVED_SIGMAS * offset_sigma_mps2
+        ):
             return DeviceConstants(
                 gyroscope_clip_radps=self.gyroscope_clip_radps,
                 accelerometer_clip_mps2=self.accelerometer_clip_mps2,
@@ -122,6 +111,11 @@ class DeviceConstants:
         if np.abs(self.array("hard_iron_t")).max() > _BELIEVED_SIGMAS * iron_sigma_t:
             return replace(self, hard_iron_t=_NONE, hard_iron_sigma_t=(_IRON_UNKNOWN_T,) * 3)
         return self
+
+    def less_offset(self, taken_off_mps2: ArrayLike) -> "DeviceConstants":
+        """Return the constants of readings from which an offset of the accelerometer, shape (3,), is taken off."""
+        left = self.array("accelerometer_offset_mps2") - np.asarray(taken_off_mps2, dtype=np.float64)
+        return replace(self, accelerometer_offset_mps2=_plain(left))
 
     def array(self, name: str) -> Float:
         """Return one constant as an array."""
@@ -140,4 +134,8 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "gyroscope_gain_sigma": (3, 3),
     "hard_iron_t": (3,),
     "hard_iron_sigma_t": (3,),
+    "accelerometer_offset_mps2": (3,),
+    "accelerometer_offset_sigma_mps2": (3,),
+    "accelerometer_scale": (),
+    "accelerometer_scale_sigma": (),
 }

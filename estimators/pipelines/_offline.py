@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from estimators import calibration, orientation
+from estimators.conventions import Placement
 from estimators.orientation import DeviceConstants, OrientationResult, SmoothedChunk
 from estimators.pipelines._contract import SessionSetup
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 
 def is_offline(setup: SessionSetup) -> bool:
@@ -50,15 +51,16 @@ def smooth_network(
     )
     learnt = []
     for s, name in enumerate(setup.placements):
+        known, bias = setup.device_constants.get(name), _force_bias(setup, name)
         one = orientation.smooth(
             setup.orientation,
-            _sensor(pieces, s, setup),
+            _sensor(pieces, s, setup, bias),
             setup.orientation_parameters,
-            [setup.device_constants.get(name)],
+            [known and known.less_offset(bias)],
         )
         for field in ("q_earth_sensor", "gyroscope_bias_radps", "sigma_rad", "flags"):
             getattr(found, field)[s] = getattr(one.orientation, field)[0]
-        learnt.append(one.constants[0])
+        learnt.append(one.constants[0].less_offset(-bias))
     return found, tuple(learnt)
 
 
@@ -69,13 +71,18 @@ def smoothed_chunk(chunk: ImuChunk, setup: SessionSetup) -> ImuChunk:
     return orientation.with_orientation(chunk, *smooth_network([chunk], setup))
 
 
-def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup) -> ImuChunk:
+def _force_bias(setup: SessionSetup, name: Placement) -> Float:
+    """Return what the session's calibration takes off the specific force of a sensor, shape (3,)."""
+    biases = {} if setup.calibration is None else setup.calibration.accelerometer_bias_mps2
+    return np.array(biases.get(name, (0.0, 0.0, 0.0)))
+
+
+def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup, force_bias_mps2: Float) -> ImuChunk:
     """Put the ticks of one sensor together, corrected by what is known of it."""
     name = setup.placements[s]
     chunk = ImuChunk.join([piece.sensors([s]) for piece in pieces])
     if name in setup.devices:
         chunk = calibration.correct(chunk, [setup.devices[name]])
-    if setup.calibration is not None and name in setup.calibration.accelerometer_bias_mps2:
-        bias = np.array(setup.calibration.accelerometer_bias_mps2[name])
-        chunk = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 - bias)
+    if force_bias_mps2.any():
+        chunk = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 - force_bias_mps2)
     return chunk

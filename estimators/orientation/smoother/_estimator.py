@@ -19,7 +19,8 @@ from estimators.orientation._streaming import ChunkGuard, usable_samples
 from estimators.orientation.smoother._passes import SensorPasses
 from estimators.orientation.smoother._session import SensorSession, prepare, turn_back
 from estimators.orientation.telemotion import _records as at
-from estimators.orientation.telemotion._estimator import MICROTESLA_PER_TESLA, TelemotionEstimator
+from estimators.orientation.telemotion._constants import constants_of
+from estimators.orientation.telemotion._estimator import TelemotionEstimator
 from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
 from estimators.recording import Float, ImuChunk, SampleQuality
 
@@ -231,19 +232,11 @@ def _passed(
 
 def _learnt(passes: SensorPasses, online: DeviceConstants, p: SmootherParameters) -> DeviceConstants:
     """Return the constants as smoothed; the clip levels are those that the online filter met."""
-    nominal, sigma = passes.nominal, np.sqrt(passes.final_variance)
-    gain, iron = slice(at.GAIN, at.GAIN + 9), slice(at.IRON, at.IRON + 3)
-    smoothed = DeviceConstants.of_arrays(
-        nominal[at.DELAY],
-        sigma[at.DELAY],
-        nominal[gain].reshape(3, 3).T,
-        sigma[gain].reshape(3, 3).T,
-        passes.iron[-1] / MICROTESLA_PER_TESLA,
-        sigma[iron] / MICROTESLA_PER_TESLA,
+    sigma, clips = (
+        np.sqrt(passes.final_variance),
+        (online.gyroscope_clip_radps, online.accelerometer_clip_mps2),
     )
-    clips = ("gyroscope_clip_radps", "accelerometer_clip_mps2")
-    smoothed = replace(smoothed, **{name: getattr(online, name) for name in clips})
-    return smoothed.believed(p.gain_sigma, p.delay_sigma_s, p.iron_wide_ut / MICROTESLA_PER_TESLA)
+    return constants_of(passes.nominal, sigma, passes.iron[-1], sigma[at.IRON : at.IRON + 3], clips, p)
 
 
 def _run_online(

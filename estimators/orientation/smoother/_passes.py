@@ -28,7 +28,10 @@ from estimators.recording import Float
 
 _DISTURBED = 8.0
 _GRADED = ((at.OFFSET, 3, 0.1), (at.START, 3, 1.0))
-"""States whose spread is learnt: first, count, and what is usual, which counts as one more of them."""
+"""States whose spread is learnt: first, count, and what is usual, which counts as one more of them.
+
+Where more is known of the device, that is what is usual.
+"""
 _WORST_LEVEL = 10.0
 _LARGEST_MISFIT = 100.0
 _PLACE_VARIANCE = 0.01
@@ -82,6 +85,9 @@ class SensorPasses:
         self._variance[at.FIELD : at.FIELD + 3] = settings["field_start"]
         self.nominal, self.iron, self._changes = nominal.copy(), iron.copy(), changes
         self.has_field = bool(session.samples["has_field"].any())
+        self._usual = [
+            min(usual**2, float(variance[first : first + count].mean())) for first, count, usual in _GRADED
+        ]
         self._settle(odds)
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
@@ -155,10 +161,10 @@ class SensorPasses:
 
     def _grade(self) -> None:
         """Learn how large errors of this device are: the spread of its prior, by expectation maximization."""
-        for first, count, usual in _GRADED:
+        for (first, count, _), usual in zip(_GRADED, self._usual, strict=True):
             span = slice(first, first + count)
             squares = (self.nominal[span] - self._prior[span]) ** 2 + self._found[span]
-            self._variance[span] = (usual**2 + squares.sum()) / (1.0 + count)
+            self._variance[span] = (usual + squares.sum()) / (1.0 + count)
 
     def _weigh(self, retained: Float, least_variance: Float) -> None:
         """Set how likely the field was, from what `forward` keeps: innovation and one, over variance.

@@ -12,6 +12,7 @@ from estimators.orientation._contract import OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._record_estimator import RecordEstimator
 from estimators.orientation.telemotion import _records as at
+from estimators.orientation.telemotion._constants import begin_with, believed, constants_of
 from estimators.orientation.telemotion._kernel import run
 from estimators.orientation.telemotion._parameters import (
     TelemotionParameters,
@@ -20,14 +21,9 @@ from estimators.orientation.telemotion._parameters import (
 )
 from estimators.recording import Float, ImuChunk
 
-MICROTESLA_PER_TESLA = 1e6
 _LEAST_VARIANCE = 1e-12
 _SWAY_RADPS = np.deg2rad(0.5)
 """How far a person's sway moves the mean rate of half a second, until it has been seen."""
-
-
-_GAIN_AGEING, _DELAY_AGEING_S, _IRON_AGEING_UT = 0.003, 0.002, 0.5
-"""What temperature and time change between two sessions, one sigma."""
 
 
 class TelemotionEstimator(RecordEstimator):
@@ -106,31 +102,15 @@ class TelemotionEstimator(RecordEstimator):
         sensors = self._guard.sensor_count
         if len(constants) != sensors:
             raise ShapeError(f"constants of {len(constants)} sensors for {sensors}")
-        p = self._parameters
         for s, given in enumerate(constants):
             if given is None:
                 continue
-            self._given[s] = known = self._believed(given)
-            memory, covariance = self._state[s], self._covariance[s]
-            iron_sigma_ut = MICROTESLA_PER_TESLA * known.array("hard_iron_sigma_t")
-            # One variance serves the three axes of a hypothesis; what is as good as unknown stays unknown.
-            iron_variance = float(np.mean(iron_sigma_ut**2)) + _IRON_AGEING_UT**2
-            if iron_variance < p.iron_middle_ut**2:
-                iron = MICROTESLA_PER_TESLA * known.array("hard_iron_t")
-                memory["iron"] = memory["iron_known"] = iron
-                memory["iron_known_variance"] = iron_variance
-                self._set_variance(at.IRON, 3, p.iron_wide_ut**2 + iron_variance, s)
-            memory["delay"] = known.magnetometer_delay_s
-            delay_variance = known.magnetometer_delay_sigma_s**2 + _DELAY_AGEING_S**2
-            self._set_variance(at.DELAY, 1, min(delay_variance, p.delay_sigma_s**2), s)
-            memory["gain"] = known.array("gyroscope_gain").T.ravel()
-            gain_variance = known.array("gyroscope_gain_sigma").T.ravel() ** 2 + _GAIN_AGEING**2
-            for i, variance in enumerate(np.minimum(gain_variance, p.gain_sigma**2)):
-                covariance[at.GAIN + i, at.GAIN + i] = variance
-            memory["gains_settled"] = 1  # the hypotheses are on devices of which nothing is known
-            for kind, clip in enumerate((known.gyroscope_clip_radps, known.accelerometer_clip_mps2)):
-                if clip is not None:
-                    memory["clip_level"][kind] = memory["largest"][kind] = clip
+            self._given[s] = known = believed(given, self._parameters)
+            begin_with(known, self._state[s], self._covariance[s], self._parameters)
+
+    def take_off_force(self, offset_mps2: Float) -> None:
+        """Expect specific force less an offset from the next sample on; see the contract."""
+        self._state["force_offset"] -= offset_mps2
 
     @property
     def nominal(self) -> Float:
@@ -159,27 +139,16 @@ class TelemotionEstimator(RecordEstimator):
         """What is known of each device now; hard iron only as far as no magnet came near in between."""
         return tuple(self._learnt(s) for s in range(self._guard.sensor_count))
 
-    def _believed(self, constants: DeviceConstants) -> DeviceConstants:
-        p = self._parameters
-        return constants.believed(p.gain_sigma, p.delay_sigma_s, p.iron_wide_ut / MICROTESLA_PER_TESLA)
-
     def _learnt(self, s: int) -> DeviceConstants:
         if self._state["filtered"][s] == 0:
             # It learnt nothing: what is known is what was given, and a prior is no knowledge.
             return self._given[s]
-        memory = self._state[s]
-        sigma = np.sqrt(np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE))
-        iron, iron_sigma = self._iron(s)
-        found = DeviceConstants.of_arrays(
-            memory["delay"],
-            sigma[at.DELAY],
-            memory["gain"].reshape(3, 3).T,
-            sigma[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
-            iron / MICROTESLA_PER_TESLA,
-            iron_sigma / MICROTESLA_PER_TESLA,
-            tuple(memory["clip_level"]),
+        variance = np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE)
+        gyroscope, accelerometer = (
+            float(clip) if np.isfinite(clip) else None for clip in self._state[s]["clip_level"]
         )
-        return self._believed(found)
+        clips = gyroscope, accelerometer
+        return constants_of(self.nominal[s], np.sqrt(variance), *self._iron(s), clips, self._parameters)
 
     def _iron(self, s: int) -> tuple[Float, Float]:
         """Return mean and sigma of the hard iron, microtesla, over the beliefs of what it was at first."""

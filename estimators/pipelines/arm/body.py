@@ -1,7 +1,7 @@
 """Shared parts of every pipeline over a body network: orientation, calibration, segments in the room."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -61,7 +61,8 @@ class BodyNetwork:
         self.setup = setup
         self.sensor_count = len(setup.placements)
         self.time_step_s = 1.0 / setup.rate_hz
-        self._filter = self.new_filter()
+        self._accelerometer_bias = _force_bias(setup.calibration, setup.placements)
+        self._filter = self.new_filter(self._accelerometer_bias)
         self._next_tick = 0
         self._stride = max(1, round(setup.rate_hz / _MEMORY_HZ))
         slots = int(_MEMORY_S * _MEMORY_HZ)
@@ -80,24 +81,38 @@ class BodyNetwork:
         return self.setup.calibration is not None and bool(self.setup.calibration.q_sensor_segment)
 
     @property
+    def force_bias_mps2(self) -> Float:
+        """What the calibration in force takes off the specific force of each sensor, shape (S, 3)."""
+        return self._accelerometer_bias.copy()
+
+    @property
     def next_tick(self) -> int:
         """Number of the first tick not seen yet."""
         return self._next_tick
 
-    def new_filter(self) -> orientation.OrientationEstimator:
-        """Return a filter of this network that has seen nothing yet."""
+    def new_filter(self, force_bias_mps2: Float) -> orientation.OrientationEstimator:
+        """Return a filter of this network that has seen nothing yet.
+
+        It will be given readings from which a bias of the accelerometers, shape (S, 3), is taken off.
+        """
         setup = self.setup
         made = orientation.create(
             setup.orientation, self.sensor_count, self.time_step_s, setup.orientation_parameters
         )
         if setup.device_constants:
-            made.set_device_constants([setup.device_constants.get(name) for name in setup.placements])
+            known = map(setup.device_constants.get, setup.placements)
+            made.set_device_constants(
+                [one and one.less_offset(bias) for one, bias in zip(known, force_bias_mps2, strict=True)]
+            )
         return made
 
     @property
     def device_constants(self) -> dict[Placement, orientation.DeviceConstants]:
         """What the filter knows of each sensor by now."""
-        return dict(zip(self.setup.placements, self._filter.device_constants, strict=False))
+        told = zip(
+            self.setup.placements, self._filter.device_constants, self._accelerometer_bias, strict=False
+        )
+        return {name: one.less_offset(-bias) for name, one, bias in told}
 
     def step(self, chunk: ImuChunk) -> tuple[OrientationResult, Float, Float, Float, NDArray[np.uint8]]:
         """Take the next ticks.
@@ -249,7 +264,7 @@ class BodyNetwork:
     def _held_pose(self, pose: ImuChunk, method: str) -> Calibration:
         was_level = self.setup.calibration is not None and "level" in self.setup.calibration.method
         bias = self._accelerometer_bias if was_level else bias_along_gravity(pose.accelerometer_mps2)
-        pose = replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - bias[:, None])
+        worn, pose = pose, replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - bias[:, None])
         if was_level and self.setup.calibration is not None:
             # Found lying, without the sway of a standing person.
             known = self.setup.calibration.gyroscope_bias_radps
@@ -260,7 +275,7 @@ class BodyNetwork:
                 pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False
             )
             gyroscope_bias, sigma_radps = rest.gyroscope_bias_radps, bias_sigma(rest)
-        anew = self.begin_anew(pose, gyroscope_bias, sigma_radps)
+        anew = self.begin_anew(worn, gyroscope_bias, sigma_radps, bias)
         q_earth_sensor, flags = self.during(pose, anew)
         found = calibration.n_pose(
             q_earth_sensor,
@@ -301,7 +316,7 @@ class BodyNetwork:
         constants = {name: k for name, k in self.setup.device_constants.items() if name not in devices}
         self.setup = replace(self.setup, devices=together, device_constants=constants, calibration=None)
         self._apply(None)
-        self._filter = self.new_filter()
+        self._filter = self.new_filter(self._accelerometer_bias)
 
     def _by_placement(self, vectors: Float) -> dict[Placement, tuple[float, float, float]]:
         return {
@@ -310,18 +325,20 @@ class BodyNetwork:
         }
 
     def begin_anew(
-        self, pose: ImuChunk, bias_radps: Float, sigma_radps: float
+        self, pose: ImuChunk, bias_radps: Float, sigma_radps: float, force_bias_mps2: Float
     ) -> tuple[orientation.OrientationEstimator, OrientationResult] | None:
-        """Run a fresh filter over the pose with the bias known; None if ticks have followed the pose.
+        """Run a fresh filter over the pose with the biases known; None if ticks have followed the pose.
 
         Until now the filter did not know the bias: 1 deg/s holds its heading about 7 degrees off, which would
         go into the mounting and fade only over half a minute afterwards.
         """
         if pose.first_tick + pose.tick_count != self._next_tick:
             return None
-        fresh = self.new_filter()
+        fresh = self.new_filter(force_bias_mps2)
         fresh.set_gyroscope_bias(bias_radps, sigma_radps)
-        return fresh, fresh.update(pose)
+        return fresh, fresh.update(
+            replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - force_bias_mps2[:, None])
+        )
 
     def during(
         self, pose: ImuChunk, anew: tuple[orientation.OrientationEstimator, OrientationResult] | None
@@ -356,10 +373,11 @@ class BodyNetwork:
     def _apply(self, found: Calibration | None) -> None:
         """Take over a calibration: rotations per sensor, ready for the kernel."""
         self._q_room_earth, self._q_sensor_segment = rotation.identity((2, self.sensor_count))
-        self._accelerometer_bias, self._mounting_variance = np.zeros((2, self.sensor_count, 3))
-        if found is not None:
-            for s, name in enumerate(self.setup.placements):
-                self._accelerometer_bias[s] = found.accelerometer_bias_mps2.get(name, (0.0, 0.0, 0.0))
+        self._mounting_variance = np.zeros((self.sensor_count, 3))
+        bias = _force_bias(found, self.setup.placements)
+        if (bias != self._accelerometer_bias).any():
+            self._filter.take_off_force(bias - self._accelerometer_bias)
+        self._accelerometer_bias = bias
         self._has_accelerometer_bias = bool(self._accelerometer_bias.any())
         unknown = [found is not None and name in found.unknown_headings for name in self.setup.placements]
         self._more_flags = np.where(unknown, np.uint8(OrientationFlag.HEADING_NOT_TRUSTED), np.uint8(0))
@@ -406,16 +424,24 @@ class BodyNetwork:
             raise ShapeError(
                 f"this state is of {state['memory_q'].shape[1]} sensors; the session has {self.sensor_count}"
             )
-        prefix = "orientation."
-        self._filter.restore({k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)})
         stored = json.loads(state["calibration"].tobytes())
         found = None if stored is None else calibration_from_dict(stored)
         self.setup = replace(self.setup, calibration=found)
         self._apply(self.setup.calibration)
+        prefix = "orientation."  # after the calibration, which tells the filter what is taken off
+        self._filter.restore({k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)})
         self._next_tick = int(state["next_tick"])
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
         self._memory_flags = state["memory_flags"].astype(np.uint8)
+
+
+def _force_bias(found: Calibration | None, placements: Sequence[Placement]) -> Float:
+    """Return what a calibration takes off the specific force of each sensor, shape (S, 3)."""
+    biases: Mapping[Placement, tuple[float, float, float]] = (
+        {} if found is None else found.accelerometer_bias_mps2
+    )
+    return np.array([biases.get(name, (0.0, 0.0, 0.0)) for name in placements])
 
 
 def _check(setup: SessionSetup) -> None:

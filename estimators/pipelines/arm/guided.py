@@ -48,7 +48,7 @@ def by_movement(
     force_bias = bias_along_gravity(rest.accelerometer_mps2)
     corrected = replace(corrected, accelerometer_mps2=corrected.accelerometer_mps2 - force_bias[:, None])
     bias = static_bias(rest.gyroscope_radps, rest.accelerometer_mps2, chunk.time_step_s, require_still=False)
-    fresh = network.new_filter()
+    fresh = network.new_filter(force_bias)
     fresh.set_gyroscope_bias(bias.gyroscope_bias_radps, bias_sigma(bias))
     result = fresh.update(corrected)
     found = functional(
@@ -193,5 +193,6 @@ def _begun_at_rest(
         name: (float(x), float(y), float(z))
         for name, (x, y, z) in zip(network.setup.placements, rest.gyroscope_bias_radps, strict=True)
     }
-    anew = network.begin_anew(pose, rest.gyroscope_bias_radps, bias_sigma(rest))
+    force_bias = network.force_bias_mps2
+    anew = network.begin_anew(pose, rest.gyroscope_bias_radps, bias_sigma(rest), force_bias)
     return replace(known, gyroscope_bias_radps=bias), anew

@@ -90,6 +90,47 @@ def test_next_session_is_better_from_the_first_turn(learnt):
     assert errors["known"] < 0.8 * errors["unknown"]
 
 
+OFFSET_MPS2, SCALE = np.array([0.25, -0.15, 0.2]), 0.006
+
+
+def with_offset(chunk):
+    return replace(chunk, accelerometer_mps2=(1.0 + SCALE) * chunk.accelerometer_mps2 + OFFSET_MPS2)
+
+
+@pytest.mark.parametrize("offline", [False, True])
+def test_the_accelerometer_is_known_in_the_next_session(offline):
+    """An offset of 0.25 m/s^2 tilts the start by 1.5 degrees; it is learnt within its sigma, and known next time."""
+    first = with_offset(turning_sensor(1, seconds=60.0)[0])
+    if offline:
+        (known,) = orientation.smooth("telemotion_smoother", first).constants
+    else:
+        estimator = orientation.create("telemotion", 1, STEP_S)
+        estimator.update(first)
+        (known,) = estimator.device_constants
+    sigma = known.array("accelerometer_offset_sigma_mps2")
+    assert (np.abs(known.array("accelerometer_offset_mps2") - OFFSET_MPS2) < 3.0 * sigma).all()
+    assert (sigma < 0.05).all()
+    assert abs(known.accelerometer_scale - SCALE) < 3.0 * known.accelerometer_scale_sigma < 0.02
+    chunk, truth = turning_sensor(2, seconds=8.0)
+    tilts, sigmas = [], []
+    for given in (None, known):
+        estimator = orientation.create("telemotion", 1, STEP_S)
+        estimator.set_device_constants([given])
+        found = estimator.update(with_offset(chunk))
+        error = rotation.log(rotation.multiply(found.q_earth_sensor[0], rotation.conjugate(truth)))
+        tilts.append(np.hypot(*error[200:, :2].T).max())
+        sigmas.append(found.sigma_rad[0, 950, 0])
+        assert (np.abs(error[200:, :2]) < 4.0 * found.sigma_rad[0, 200:, :2]).all()
+    assert tilts[0] > np.deg2rad(1.0) > 3.0 * tilts[1]
+    assert sigmas[1] < sigmas[0]
+
+
+def test_what_is_taken_off_is_known_less():
+    known = DeviceConstants(accelerometer_offset_mps2=(0.2, 0.0, -0.1), accelerometer_scale=0.01)
+    assert known.less_offset([0.2, -0.1, 0.0]).accelerometer_offset_mps2 == (0.0, 0.1, -0.1)
+    assert known.less_offset([0.2, -0.1, 0.0]).less_offset([-0.2, 0.1, 0.0]) == known
+
+
 def test_a_silent_sensor_tells_what_was_given(learnt):
     chunk, _ = turning_sensor(1, seconds=5.0)
     silent = np.full_like(chunk.gyroscope_radps, np.nan)
@@ -221,6 +262,8 @@ def test_constants_age(learnt):
         {"gyroscope_clip_radps": -1.0},
         {"accelerometer_clip_mps2": float("inf")},
         {"gyroscope_offset": 1.0},
+        {"accelerometer_offset_mps2": 0.1},
+        {"accelerometer_scale_sigma": -0.01},
     ],
 )
 def test_wrong_constants_are_refused(wrong):

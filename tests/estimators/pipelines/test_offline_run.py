@@ -79,9 +79,17 @@ def test_known_accelerometer_biases_are_taken_off_first(session, setup):
     known = replace(
         pipeline.calibrate(chunk.ticks(0, 100), "static"), accelerometer_bias_mps2={name: (0.5, 0.0, 0.0)}
     )
-    expected, _ = smooth_network([chunk], worn)
-    found, _ = smooth_network([shifted], replace(worn, calibration=known))
+    expected, learnt = smooth_network([chunk], worn)
+    found, told = smooth_network([shifted], replace(worn, calibration=known))
     assert rotation.angle_between(found.q_earth_sensor, expected.q_earth_sensor).max() < 1e-9
+    # Of the device as it reads: what the calibration took off is its own, then and in the next session.
+    assert told[0].less_offset([0.5, 0.0, 0.0]).accelerometer_offset_mps2 == pytest.approx(
+        learnt[0].accelerometer_offset_mps2, abs=1e-6
+    )
+    constants = {name: learnt[0].less_offset([-0.5, 0.0, 0.0])}
+    plain, _ = smooth_network([chunk], replace(worn, device_constants={name: learnt[0]}))
+    again, _ = smooth_network([shifted], replace(worn, calibration=known, device_constants=constants))
+    assert rotation.angle_between(again.q_earth_sensor, plain.q_earth_sensor).max() < 1e-9
 
 
 def test_a_device_calibrated_in_the_hand_is_corrected_first(session, setup):

@@ -11,7 +11,7 @@ from estimators import signals
 from estimators.conventions import PLACEMENTS
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, available
-from estimators.pipelines import SessionSetup, concatenate, create
+from estimators.pipelines import DeviceConstants, SessionSetup, concatenate, create
 from estimators.pipelines.arm import body
 from estimators.recording import SampleQuality
 from tests.said import refuses
@@ -308,6 +308,41 @@ def test_level_calibration_finds_the_accelerometer_bias(session, ticks):
     # The sensors' own bias of 0.05 m/s^2 (0.3 degrees of tilt, 0.7 of heading, on each of two sensors) is
     # unknown to both; the plain one corrects its part along gravity.
     assert np.degrees(np.abs(corrected.angle_rad - plain.angle_rad[:600]).max()) < 3.0
+
+
+def test_what_a_calibration_takes_off_is_told_of_the_device(session, ticks):
+    """The pose takes off a part of the offset: the filter expects what is left, the device has both."""
+    count = ticks.sensor_count
+    offset = np.random.default_rng(6).normal(0, 0.2, (count, 3))
+    known = {
+        name: DeviceConstants(
+            accelerometer_offset_mps2=tuple(one), accelerometer_offset_sigma_mps2=(0.01, 0.01, 0.01)
+        )
+        for name, one in zip(session.setup.placements, offset, strict=True)
+    }
+    shifted = replace(ticks, accelerometer_mps2=ticks.accelerometer_mps2 + offset[:, None])
+    pipeline = create(replace(session.setup, device_constants=known))
+
+    def farthest():
+        told = pipeline.device_constants
+        return max(
+            np.abs(told[name].array("accelerometer_offset_mps2") - one).max()
+            for name, one in zip(session.setup.placements, offset, strict=True)
+        )
+
+    pipeline.step(shifted.ticks(0, 600))
+    before = farthest()
+    found = pipeline.calibrate(shifted.ticks(300, 600))
+    assert max(np.abs(one).max() for one in found.accelerometer_bias_mps2.values()) > 0.1
+    assert farthest() < before + 0.05
+    pipeline.step(shifted.ticks(600, 1200))
+    assert farthest() < 0.1
+    again = create(pipeline.setup)
+    again.restore(pipeline.state())
+    assert again.device_constants == pipeline.device_constants
+    # A pose that ticks have followed gives no new filter: the running one expects less from now on.
+    pipeline.calibrate(shifted.ticks(300, 600))
+    assert farthest() < 0.1
 
 
 def test_concatenate_refuses_holes(session, ticks):
