@@ -15,7 +15,7 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from app.commands.simulation.arm import Options, stream
 from app.database import engine as engines
@@ -48,6 +48,17 @@ FLAGS = [
     "--disable-accelerated-2d-canvas",
     "--disable-gpu-rasterization",
 ]
+
+SLOW_VIEW = """
+if (location.pathname.includes('/viewer')) {
+  const draws = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (draw) => setTimeout(() => draws(draw), 1000);
+  window.cancelAnimationFrame = clearTimeout;
+  Object.defineProperty(window, 'devicePixelRatio', { get: () => 0.5 });
+}
+"""
+"""The 3D view draws as often as it can while a session is live. Without a graphics card one drawing takes a third of a
+second of a core, from all other tests: here it draws once a second, and coarser, also in the pictures."""
 
 
 @dataclass(frozen=True)
@@ -179,6 +190,14 @@ def chromium() -> Iterator[Browser]:
     expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        begun = browser.new_context
+
+        def new_context(**options: Any) -> BrowserContext:
+            context = begun(**options)
+            context.add_init_script(SLOW_VIEW)
+            return context
+
+        browser.new_context = new_context  # type: ignore[method-assign]
         yield browser
         browser.close()
 

@@ -19,7 +19,7 @@ SEVERAL: Final = {
     "com_foot_distance": 8,
     "disturbance_iron_cylinder": 6,
     "disturbance_quarter_turns": 20,
-    "disturbance_steel_case": 6,
+    "disturbance_steel_case": 8,
     "guidance_phase": 8,
 }
 """With how many seeds where one alone may be anything: what is judged there is a mean, or a tail."""
