@@ -1,5 +1,6 @@
 """Constants of a device and the states of our filter that hold them: how one becomes the other."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -54,11 +55,13 @@ def begin_with(
     memory["gain"] = known.array("gyroscope_gain").T.ravel()
     narrow(at.GAIN, known.array("gyroscope_gain_sigma").T, _GAIN_AGEING, p.gain_sigma)
     memory["gains_settled"] = 1  # the hypotheses are on devices of which nothing is known
-    memory["force_offset"] = known.accelerometer_offset_mps2
+    memory["force_offset"] = offset = known.array("accelerometer_offset_mps2")
+    # It was learnt in the attitudes of one session, where the scale of an axis looks like an offset.
+    uneven = p.tilt_sigma_per_offset * float(np.linalg.norm(offset))
     narrow(
         at.OFFSET,
         known.array("accelerometer_offset_sigma_mps2"),
-        _OFFSET_AGEING_MPS2,
+        math.hypot(_OFFSET_AGEING_MPS2, uneven),
         p.force_offset_sigma_mps2,
     )
     memory["gravity"] = GRAVITY_MPS2 * (1.0 + known.accelerometer_scale)
