@@ -2,6 +2,7 @@
 
 import httpx
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
@@ -10,6 +11,7 @@ from tests.e2e.sensors import sensors_at_home as home
 from tests.e2e.sensors.broken_link import Relay
 from tests.e2e.sensors.evenings import go_on
 
+pytestmark = pytest.mark.slow("sensors stream in real time")
 ELEVATION = "thorax_humerus_right_yxy_elevation"
 MOVEMENT_S = 14.0
 BROKEN_S = 5.0

@@ -42,6 +42,7 @@ from tests.e2e.sensors.evenings import (
 )
 from tests.patience import PATIENCE_S
 
+pytestmark = pytest.mark.slow("sensors stream in real time")
 PATIENT = PATIENTS[0]
 GOAL = 5
 GOOD = (SOUND,) * GOAL

@@ -29,6 +29,7 @@ from tests.e2e.sensors.evenings import watch_lines
 from tests.e2e.test_pages import serious, unreached_by_tab
 from tests.patience import PATIENCE_S
 
+pytestmark = pytest.mark.slow("sensors stream in real time")
 PATIENT = PATIENTS[0]
 POSE_S = (1.0, N_POSE_S - 1.0)
 REST_S = (N_POSE_S + 1.8, N_POSE_S + 3.4)

@@ -16,6 +16,7 @@ from tests.e2e.sensors.broken_link import Relay
 from tests.e2e.sensors.evenings import go_on
 from tests.patience import PATIENCE_S
 
+pytestmark = pytest.mark.slow("sensors stream in real time")
 PLACEMENTS = ("upper_arm_right", "forearm_right")
 MOVING_S = 4.0
 BROKEN_S = 4.0
