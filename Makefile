@@ -97,8 +97,8 @@ checks: web-test lint types api-test web/dist/index.html browser
 # Many tests wait: for a server that starts, a stream, a page. So those in a browser run beside the others, on their own
 # files: another run as root makes the folder of the first one its own, and no PostgreSQL gets in any more.
 SERVICE_TESTS := --ignore=tests/e2e -o cache_dir=build/tests/service
-# They wait more than they work: two browsers at a time.
-BROWSER_TESTS := tests/e2e $(TWO_AT_ONCE) --no-loadscope-reorder -o cache_dir=build/tests/browser --basetemp=build/tests/files
+# One browser at a time: with a fourth process of tests, others fail by load.
+BROWSER_TESTS := tests/e2e -n 1 -o cache_dir=build/tests/browser --basetemp=build/tests/files
 
 # What failed beside others runs again, alone, and that decides; tests that tests/again.txt does not list are named.
 # With TELEMOTION_LISTED_ONLY only listed ones run again. Any other end than failed tests stays.
