@@ -113,7 +113,12 @@ class DeviceConstants:
         return self
 
     def less_offset(self, taken_off_mps2: ArrayLike) -> "DeviceConstants":
-        """Return the constants of readings from which an offset of the accelerometer, shape (3,), is taken off."""
+        """Return the constants of readings from which an offset of the accelerometer, shape (3,), is taken off.
+
+        Where the offset is not known, what is left of it is not known either.
+        """
+        if self.accelerometer_offset_sigma_mps2 == DeviceConstants.accelerometer_offset_sigma_mps2:
+            return self
         left = self.array("accelerometer_offset_mps2") - np.asarray(taken_off_mps2, dtype=np.float64)
         return replace(self, accelerometer_offset_mps2=_plain(left))
 

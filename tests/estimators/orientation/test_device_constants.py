@@ -126,9 +126,14 @@ def test_the_accelerometer_is_known_in_the_next_session(offline):
 
 
 def test_what_is_taken_off_is_known_less():
-    known = DeviceConstants(accelerometer_offset_mps2=(0.2, 0.0, -0.1), accelerometer_scale=0.01)
+    known = DeviceConstants(
+        accelerometer_offset_mps2=(0.2, 0.0, -0.1), accelerometer_offset_sigma_mps2=(0.02, 0.02, 0.02)
+    )
     assert known.less_offset([0.2, -0.1, 0.0]).accelerometer_offset_mps2 == (0.0, 0.1, -0.1)
     assert known.less_offset([0.2, -0.1, 0.0]).less_offset([-0.2, 0.1, 0.0]) == known
+    # Neither a silent sensor nor constants of an earlier version know an offset.
+    for unknown in (DeviceConstants(), DeviceConstants(magnetometer_delay_s=0.01)):
+        assert unknown.less_offset([0.2, -0.1, 0.0]) == unknown
 
 
 def test_a_silent_sensor_tells_what_was_given(learnt):
